@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/codec/limits.hpp"
+
+namespace segserve::codec {
+
+/// The planes of a cloud of N points as bytes that somebody else owns.
+struct PlanarBytes {
+  std::string_view x, y, z;  ///< metres, float32 little-endian: 4N bytes each
+  std::string_view rgb;      ///< R, G, B interleaved: 3N bytes; empty: no colour
+};
+
+/// The same, owned.
+struct PlanarPlanes {
+  std::string x, y, z, rgb;
+
+  operator PlanarBytes() const { return {x, y, z, rgb}; }  // NOLINT(google-explicit-constructor)
+};
+
+/// N = width * height points. INVALID_ARGUMENT naming the plane whose length does not fit, or the
+/// limit that is exceeded. Neither coordinates nor an empty cloud are judged here.
+absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
+                                    const View& view, const DecodeLimits& limits);
+
+PlanarPlanes encode_planar(const CloudView& cloud);
+
+}  // namespace segserve::codec
