@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/codec/limits.hpp"
+#include "segserve/options/options.hpp"
+#include "segserve/v1alpha1/cloud.pb.h"
+
+namespace segserve::wire {
+
+v1alpha1::View to_message(const View& view);
+
+/// The view of a message; nullopt if its kind is UNSPECIFIED. Appends what is wrong with it to `faults`, by
+/// path below "cloud.view".
+std::optional<View> from_message(const v1alpha1::View& message, std::vector<FieldViolation>& faults);
+
+/// The cloud as planar raw, each plane compressed if so asked.
+absl::StatusOr<v1alpha1::Cloud> to_planar_message(const CloudView& cloud, v1alpha1::Compression compression);
+
+/// A PCD file as it is; the view, if given, overrides the file's.
+v1alpha1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view);
+
+/// Every fault of the fields around the payload: no payload, no view or no shape where one is needed.
+std::vector<FieldViolation> violations(const v1alpha1::Cloud& message);
+
+struct DecodedCloud {
+  Cloud cloud;
+  std::string view_rule;  ///< one line for people: why this view
+};
+
+/// The payload's cloud. Sizes it claims are checked against the limits before anything is allocated.
+/// INVALID_ARGUMENT: INVALID_FIELD, MALFORMED_PAYLOAD, or LIMIT_EXCEEDED.
+absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits);
+
+}  // namespace segserve::wire

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "segserve/options/options.hpp"
+#include "segserve/v1alpha1/options.pb.h"
+
+namespace segserve::wire {
+
+v1alpha1::Method to_message(Method method);
+std::optional<Method> from_message(v1alpha1::Method method);  ///< nullopt for UNSPECIFIED and unknown ones
+
+/// Every option as it is; no cut if neither threshold nor regions are set.
+v1alpha1::SegmentOptions to_message(const Options& options);
+
+/// The options of a request: `defaults` where it says nothing. A cut in the message replaces the cut of
+/// the defaults. Appends one entry per wrong option to `faults`, by its path ("options.lambda").
+Options from_message(const v1alpha1::SegmentOptions& message, const Options& defaults,
+                     std::vector<FieldViolation>& faults);
+
+/// 16 hexadecimal digits (FNV-1a) over all options that decide results: not the number of threads; the default
+/// threshold counts as if it had been given.
+std::string options_hash(const Options& options);
+
+}  // namespace segserve::wire

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "segserve/options/options.hpp"
+#include "segserve/v1alpha1/segmentation_service.pb.h"
+
+namespace segserve::wire {
+
+/// Which arrays an answer holds besides its summary.
+struct Outputs {
+  bool labels = true;
+  bool supervoxels = false;
+  bool tree = false;
+  /// Of the label arrays.
+  v1alpha1::Compression compression = v1alpha1::COMPRESSION_NONE;
+  bool operator==(const Outputs&) const = default;
+};
+
+v1alpha1::Outputs to_message(const Outputs& outputs);
+
+/// What a request asks for, apart from its payload's bytes.
+struct ParsedRequest {
+  Options options;  ///< valid
+  Outputs outputs;
+};
+
+/// INVALID_ARGUMENT, INVALID_FIELD that names every wrong field of the request at once. The payload is
+/// not decoded: see decode_cloud.
+absl::StatusOr<ParsedRequest> parse_request(const v1alpha1::SegmentRequest& request, const Options& defaults);
+
+}  // namespace segserve::wire
