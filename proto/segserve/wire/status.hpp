@@ -22,9 +22,9 @@ using v1alpha1::ErrorReason;
 /// What a status says beyond code and message.
 struct ErrorDetails {
   ErrorReason reason = v1alpha1::ERROR_REASON_UNSPECIFIED;  ///< UNSPECIFIED also for reasons newer than this program
-  std::map<std::string, std::string> metadata;              ///< e.g. limit, allowed, actual
-  std::vector<FieldViolation> fields;                       ///< every wrong field by its path in the request
-  std::optional<std::chrono::milliseconds> retry_delay;     ///< try again, not before this time has passed
+  std::map<std::string, std::string> metadata = {};         ///< e.g. limit, allowed, actual
+  std::vector<FieldViolation> fields = {};                  ///< every wrong field by its path in the request
+  std::optional<std::chrono::milliseconds> retry_delay = std::nullopt;  ///< try again, not before this time has passed
 };
 
 /// The name of a reason as it stands in google.rpc.ErrorInfo: "QUEUE_FULL".

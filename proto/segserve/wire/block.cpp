@@ -1,0 +1,55 @@
+#include "segserve/wire/block.hpp"
+
+#include <utility>
+
+#include "fmt/format.h"
+#include "segserve/codec/zstd.hpp"
+#include "segserve/wire/status.hpp"
+
+namespace segserve::wire {
+namespace {
+
+constexpr int kZstdLevel = 1;
+
+absl::Status malformed(std::string message) {
+  return with_reason(absl::InvalidArgumentError(message), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+}
+
+}  // namespace
+
+absl::StatusOr<v1alpha1::Block> to_block(std::string bytes, v1alpha1::Compression compression) {
+  v1alpha1::Block block;
+  block.set_compression(compression);
+  block.set_decoded_bytes(bytes.size());
+  if (compression == v1alpha1::COMPRESSION_ZSTD) {
+    absl::StatusOr<std::string> compressed = codec::zstd_compress(bytes, kZstdLevel);
+    if (!compressed.ok()) return compressed.status();
+    bytes = *std::move(compressed);
+  }
+  block.set_data(std::move(bytes));
+  return block;
+}
+
+absl::StatusOr<std::string_view> block_bytes(const v1alpha1::Block& block, std::uint64_t expected_bytes,
+                                             std::string_view name, std::string& buffer) {
+  const bool compressed = block.compression() == v1alpha1::COMPRESSION_ZSTD;
+  if (!compressed && block.compression() != v1alpha1::COMPRESSION_NONE &&
+      block.compression() != v1alpha1::COMPRESSION_UNSPECIFIED) {
+    return malformed(fmt::format("{}: compression {} is unknown", name, static_cast<int>(block.compression())));
+  }
+  const bool size_is_claimed = compressed || block.decoded_bytes() != 0;
+  if (size_is_claimed && block.decoded_bytes() != expected_bytes) {
+    return malformed(fmt::format("{}: claims {} bytes, but must have {}", name, block.decoded_bytes(), expected_bytes));
+  }
+  if (!compressed) {
+    if (block.data().size() == expected_bytes) return std::string_view(block.data());
+    return malformed(fmt::format("{}: has {} bytes, but must have {}", name, block.data().size(), expected_bytes));
+  }
+  absl::StatusOr<std::string> bytes =
+      codec::zstd_decompress(block.data(), expected_bytes, {.max_bytes = expected_bytes});
+  if (!bytes.ok()) return malformed(fmt::format("{}: {}", name, std::string(bytes.status().message())));
+  buffer = *std::move(bytes);
+  return std::string_view(buffer);
+}
+
+}  // namespace segserve::wire

@@ -1,0 +1,141 @@
+#include "segserve/wire/result.hpp"
+
+#include <utility>
+#include <vector>
+
+#include "fmt/format.h"
+#include "segserve/wire/cloud.hpp"
+#include "segserve/wire/labels.hpp"
+#include "segserve/wire/status.hpp"
+#include "segserve/wire/tree.hpp"
+
+namespace segserve::wire {
+namespace {
+
+absl::Status malformed(std::string message) {
+  return with_reason(absl::InvalidArgumentError(message), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+}
+
+void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
+  const Segmentation& segmentation = result.segmentation;
+  summary.set_points(result.points);
+  summary.set_finite_points(segmentation.finite_points);
+  summary.set_voxels(segmentation.voxels);
+  summary.set_supervoxels(result.supervoxels);
+  summary.set_segments(segmentation.segments);
+  if (result.threshold) summary.set_threshold(*result.threshold);
+  summary.set_lambda(segmentation.lambda);
+  *summary.mutable_view() = to_message(result.view);
+  summary.set_view_rule(result.view_rule);
+  summary.set_server_version(result.server_version);
+  summary.set_options_hash(result.options_hash);
+
+  v1alpha1::Timings& timings = *summary.mutable_timings();
+  timings.set_queue_ms(result.timings.queue);
+  timings.set_decode_ms(result.timings.decode);
+  timings.set_voxels_ms(segmentation.timings.voxels);
+  timings.set_normals_ms(segmentation.timings.normals);
+  timings.set_supervoxels_ms(segmentation.timings.supervoxels);
+  timings.set_graph_ms(segmentation.timings.graph);
+  timings.set_merging_ms(segmentation.timings.merging);
+  timings.set_labels_ms(segmentation.timings.labels);
+}
+
+void read_timings(const v1alpha1::Timings& from, CallTimings& call, StageTimings& stages) {
+  call = {from.queue_ms(), from.decode_ms(), from.encode_ms(), from.total_ms()};
+  stages.voxels = from.voxels_ms();
+  stages.normals = from.normals_ms();
+  stages.supervoxels = from.supervoxels_ms();
+  stages.graph = from.graph_ms();
+  stages.merging = from.merging_ms();
+  stages.labels = from.labels_ms();
+  stages.total = stages.voxels + stages.normals + stages.supervoxels + stages.graph + stages.merging + stages.labels;
+}
+
+absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std::size_t points) {
+  if (summary.points() != points) {
+    return malformed(fmt::format("the result is of {} points, but the cloud has {}", summary.points(), points));
+  }
+  if (summary.finite_points() > points || summary.supervoxels() > summary.finite_points() ||
+      summary.segments() > summary.supervoxels()) {
+    return malformed(fmt::format("{} segments of {} supervoxels of {} finite points of {} points cannot be",
+                                 summary.segments(), summary.supervoxels(), summary.finite_points(), points));
+  }
+  std::vector<FieldViolation> faults;
+  const std::optional<View> view = from_message(summary.view(), faults);
+  if (!view || !faults.empty()) return malformed("the result does not say which view was used");
+
+  Result result;
+  result.segmentation.segments = summary.segments();
+  result.segmentation.finite_points = summary.finite_points();
+  result.segmentation.voxels = summary.voxels();
+  result.segmentation.threshold = summary.threshold();
+  result.segmentation.lambda = summary.lambda();
+  read_timings(summary.timings(), result.timings, result.segmentation.timings);
+  result.points = points;
+  result.supervoxels = summary.supervoxels();
+  if (summary.has_threshold()) result.threshold = summary.threshold();
+  result.view = *view;
+  result.view_rule = summary.view_rule();
+  result.server_version = summary.server_version();
+  result.options_hash = summary.options_hash();
+  return result;
+}
+
+absl::Status read_labels(const v1alpha1::LabelArray& message, std::size_t points, std::uint32_t maximum,
+                         std::string_view name, std::vector<std::uint32_t>& labels) {
+  absl::StatusOr<std::vector<std::uint32_t>> read = from_message(message, points, maximum, name);
+  if (read.ok()) labels = *std::move(read);
+  return read.status();
+}
+
+absl::Status read_tree(const v1alpha1::MergeTree& message, std::uint32_t supervoxels, MergeTree& tree) {
+  absl::StatusOr<MergeTree> read = from_message(message);
+  if (!read.ok()) return read.status();
+  if (read->leaf_count() != supervoxels) {
+    return malformed(fmt::format("the tree has {} leaves for {} supervoxels", read->leaf_count(), supervoxels));
+  }
+  tree = *std::move(read);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
+  v1alpha1::SegmentationResult message;
+  fill_summary(result, *message.mutable_summary());
+  const auto put = [&outputs](const std::vector<std::uint32_t>& labels, v1alpha1::LabelArray* array) {
+    absl::StatusOr<v1alpha1::LabelArray> made = to_message(labels, outputs.compression);
+    if (made.ok()) *array = *std::move(made);
+    return made.status();
+  };
+  absl::Status status;
+  if (outputs.labels) status = put(result.segmentation.labels, message.mutable_labels());
+  if (outputs.supervoxels && status.ok()) status = put(result.segmentation.supervoxels, message.mutable_supervoxels());
+  if (!status.ok()) return status;
+  if (outputs.tree) *message.mutable_tree() = to_message(result.segmentation.tree);
+  return message;
+}
+
+void set_final_timings(v1alpha1::SegmentationResult& message, double encode_ms, double total_ms) {
+  message.mutable_summary()->mutable_timings()->set_encode_ms(encode_ms);
+  message.mutable_summary()->mutable_timings()->set_total_ms(total_ms);
+}
+
+absl::StatusOr<Result> from_message(const v1alpha1::SegmentationResult& message, std::size_t points) {
+  absl::StatusOr<Result> result = read_summary(message.summary(), points);
+  if (!result.ok()) return result;
+  Segmentation& segmentation = result->segmentation;
+  absl::Status status;
+  if (message.has_labels()) {
+    status = read_labels(message.labels(), points, segmentation.segments, "labels", segmentation.labels);
+  }
+  if (message.has_supervoxels() && status.ok()) {
+    status = read_labels(message.supervoxels(), points, result->supervoxels, "supervoxels", segmentation.supervoxels);
+  }
+  if (message.has_tree() && status.ok()) status = read_tree(message.tree(), result->supervoxels, segmentation.tree);
+  if (!status.ok()) return status;
+  return result;
+}
+
+}  // namespace segserve::wire
