@@ -1,0 +1,77 @@
+#include "segserve/codec/planar.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <utility>
+
+#include "segserve/codec/scalar.hpp"
+
+namespace segserve::codec {
+namespace {
+
+absl::Status check_plane(std::string_view name, std::string_view bytes, std::uint64_t points,
+                         std::uint64_t bytes_per_point) {
+  if (bytes.size() == points * bytes_per_point) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format("plane {} has {} bytes; {} points of {} bytes are {}", name,
+                                                bytes.size(), points, bytes_per_point, points * bytes_per_point));
+}
+
+absl::Status check_planes(const PlanarBytes& planes, std::uint64_t points, const DecodeLimits& limits) {
+  if (points > limits.max_points) {
+    return absl::InvalidArgumentError(
+        fmt::format("{} points exceed the limit of {} points", points, limits.max_points));
+  }
+  const std::uint64_t bytes = planes.x.size() + planes.y.size() + planes.z.size() + planes.rgb.size();
+  if (bytes > limits.max_bytes) {
+    return absl::InvalidArgumentError(fmt::format("{} bytes exceed the limit of {} bytes", bytes, limits.max_bytes));
+  }
+  if (auto status = check_plane("x", planes.x, points, 4); !status.ok()) return status;
+  if (auto status = check_plane("y", planes.y, points, 4); !status.ok()) return status;
+  if (auto status = check_plane("z", planes.z, points, 4); !status.ok()) return status;
+  return planes.rgb.empty() ? absl::OkStatus() : check_plane("rgb", planes.rgb, points, 3);
+}
+
+void read_floats(std::string_view bytes, std::vector<float>& out) {
+  if (!bytes.empty()) std::memcpy(out.data(), bytes.data(), bytes.size());
+}
+
+std::string write_floats(std::span<const float> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+}
+
+}  // namespace
+
+absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
+                                    const View& view, const DecodeLimits& limits) {
+  const std::uint64_t points = std::uint64_t{width} * height;
+  if (auto status = check_planes(planes, points, limits); !status.ok()) return status;
+  Cloud cloud;
+  cloud.resize(static_cast<std::size_t>(points), !planes.rgb.empty());
+  cloud.width = width;
+  cloud.height = height;
+  cloud.view = view;
+  read_floats(planes.x, cloud.x);
+  read_floats(planes.y, cloud.y);
+  read_floats(planes.z, cloud.z);
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(planes.rgb.data());
+  for (std::uint32_t& rgb : cloud.rgb) {
+    rgb = pack_rgb(bytes[0], bytes[1], bytes[2]);
+    bytes += 3;
+  }
+  return cloud;
+}
+
+PlanarPlanes encode_planar(const CloudView& cloud) {
+  PlanarPlanes planes{write_floats(cloud.x), write_floats(cloud.y), write_floats(cloud.z), {}};
+  planes.rgb.resize(3 * cloud.rgb.size());
+  char* bytes = planes.rgb.data();
+  for (const std::uint32_t rgb : cloud.rgb) {
+    *bytes++ = static_cast<char>(red(rgb));
+    *bytes++ = static_cast<char>(green(rgb));
+    *bytes++ = static_cast<char>(blue(rgb));
+  }
+  return planes;
+}
+
+}  // namespace segserve::codec

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+namespace segserve::codec {
+
+// The formats are little-endian, and so is every machine we build for.
+static_assert(std::endian::native == std::endian::little);
+
+/// The number types of PCD and PLY files.
+enum class ScalarType : std::uint8_t {
+  kInt8,
+  kInt16,
+  kInt32,
+  kInt64,
+  kUint8,
+  kUint16,
+  kUint32,
+  kUint64,
+  kFloat32,
+  kFloat64,
+};
+
+/// Calls `visitor` with a zero of the C++ type.
+template <typename Visitor>
+decltype(auto) visit_type(ScalarType type, Visitor&& visitor) {
+  switch (type) {
+    case ScalarType::kInt8:
+      return visitor(std::int8_t{});
+    case ScalarType::kInt16:
+      return visitor(std::int16_t{});
+    case ScalarType::kInt32:
+      return visitor(std::int32_t{});
+    case ScalarType::kInt64:
+      return visitor(std::int64_t{});
+    case ScalarType::kUint8:
+      return visitor(std::uint8_t{});
+    case ScalarType::kUint16:
+      return visitor(std::uint16_t{});
+    case ScalarType::kUint32:
+      return visitor(std::uint32_t{});
+    case ScalarType::kUint64:
+      return visitor(std::uint64_t{});
+    case ScalarType::kFloat32:
+      return visitor(float{});
+    case ScalarType::kFloat64:
+      break;
+  }
+  return visitor(double{});
+}
+
+constexpr std::size_t size_of(ScalarType type) {
+  constexpr std::array<std::size_t, 10> kSizes{1, 2, 4, 8, 1, 2, 4, 8, 4, 8};
+  return kSizes[static_cast<std::size_t>(type)];
+}
+
+constexpr bool is_float(ScalarType type) { return type == ScalarType::kFloat32 || type == ScalarType::kFloat64; }
+
+/// Reads a T from bytes of any alignment and either byte order.
+template <typename T>
+T load(const std::byte* bytes, std::endian order = std::endian::little) {
+  static_assert(std::is_arithmetic_v<T>);
+  std::array<std::byte, sizeof(T)> copy;
+  std::memcpy(copy.data(), bytes, sizeof(T));
+  if (order != std::endian::native) std::reverse(copy.begin(), copy.end());
+  return std::bit_cast<T>(copy);
+}
+
+}  // namespace segserve::codec
