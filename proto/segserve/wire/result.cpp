@@ -6,6 +6,7 @@
 #include "fmt/format.h"
 #include "segserve/wire/cloud.hpp"
 #include "segserve/wire/labels.hpp"
+#include "segserve/wire/options.hpp"
 #include "segserve/wire/status.hpp"
 #include "segserve/wire/tree.hpp"
 
@@ -23,7 +24,9 @@ void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   summary.set_voxels(segmentation.voxels);
   summary.set_supervoxels(result.supervoxels);
   summary.set_segments(segmentation.segments);
+  summary.set_method(to_message(result.method));
   if (result.threshold) summary.set_threshold(*result.threshold);
+  if (result.regions) summary.set_regions(*result.regions);
   summary.set_lambda(segmentation.lambda);
   *summary.mutable_view() = to_message(result.view);
   summary.set_view_rule(result.view_rule);
@@ -64,6 +67,8 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   std::vector<FieldViolation> faults;
   const std::optional<View> view = from_message(summary.view(), faults);
   if (!view || !faults.empty()) return malformed("the result does not say which view was used");
+  const std::optional<Method> method = from_message(summary.method());
+  if (!method) return malformed("the result does not say which method was used");
 
   Result result;
   result.segmentation.segments = summary.segments();
@@ -74,7 +79,9 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   read_timings(summary.timings(), result.timings, result.segmentation.timings);
   result.points = points;
   result.supervoxels = summary.supervoxels();
+  result.method = *method;
   if (summary.has_threshold()) result.threshold = summary.threshold();
+  if (summary.has_regions()) result.regions = summary.regions();
   result.view = *view;
   result.view_rule = summary.view_rule();
   result.server_version = summary.server_version();

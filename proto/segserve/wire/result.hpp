@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -24,9 +26,11 @@ struct Result {
   Segmentation segmentation;
   std::size_t points = 0;
   std::uint32_t supervoxels = 0;
-  std::optional<double> threshold;  ///< of the cut; unset if a number of regions was asked for
-  View view;                        ///< that was used
-  std::string view_rule;            ///< why this view, for people
+  Method method = Method::kLambdaConvex;
+  std::optional<double> threshold;       ///< of the cut; unset if a number of regions was asked for
+  std::optional<std::uint32_t> regions;  ///< asked for; unset if the cut is at a threshold
+  View view;                             ///< that was used
+  std::string view_rule;                 ///< why this view, for people
   CallTimings timings;
   std::string server_version;
   std::string options_hash;  ///< see wire::options_hash
