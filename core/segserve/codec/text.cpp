@@ -1,6 +1,10 @@
 #include "segserve/codec/text.hpp"
 
+#include <fmt/format.h>
+
 #include <charconv>
+#include <cmath>
+#include <iterator>
 #include <system_error>
 
 namespace segserve::codec {
@@ -73,6 +77,14 @@ bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
     std::memcpy(out, &value, sizeof(T));
     return true;
   });
+}
+
+void append_number(std::string& out, float value) {
+  if (std::isnan(value)) {
+    out += "nan";
+  } else {
+    fmt::format_to(std::back_inserter(out), "{}", value);
+  }
 }
 
 std::string quoted(std::string_view word) {

@@ -43,6 +43,9 @@ std::optional<std::uint64_t> parse_count(std::string_view word);
 /// A float may be nan, inf or out of range (then it is 0 or infinite); an integer must fit.
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out);
 
+/// Appends the shortest text that reads back as the same float; every NaN is `nan`.
+void append_number(std::string& out, float value);
+
 /// A word of untrusted bytes for a message: in quotes, shortened, unprintable bytes as '?'.
 std::string quoted(std::string_view word);
 
