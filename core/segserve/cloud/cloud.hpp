@@ -33,6 +33,8 @@ struct View {
   static View world(float x, float y, float z) {
     return {ViewKind::kWorld, std::array<float, 3>{x, y, z}};
   }
+  /// Whether it is known where the sensor is.
+  bool has_sensor() const { return kind == ViewKind::kCamera || sensor.has_value(); }
   bool operator==(const View&) const = default;
 };
 

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "segserve/math/symmetric3.hpp"
+#include "segserve/math/vec3.hpp"
+#include "segserve/supervoxel/growth.hpp"
+#include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/voxel_grid.hpp"
+
+namespace segserve {
+
+/// What is kept of a region, so that merging two takes O(1): sums over its voxels (geometry) and its
+/// input points (colour).
+struct Region {
+  double voxels = 0;
+  std::uint32_t points = 0;
+  Vec3 centroid;       ///< mean of the voxels' centroids, metres
+  Symmetric3 scatter;  ///< of the voxels' centroids about their mean, m^2
+  Vec3 normal_sum;     ///< of the voxels' unit normals
+  Vec3 color_sum;      ///< of (R, G, B), 0..255, over the points
+
+  /// Unites two disjoint regions; the scatter by Chan, Golub and LeVeque (1979).
+  void merge(const Region& other);
+};
+
+/// Two regions that touch; a < b.
+struct RegionEdge {
+  std::uint32_t a = 0, b = 0;
+  bool operator==(const RegionEdge&) const = default;
+};
+
+/// G^m of the paper: the supervoxels and which of them are adjacent, edges ascending by (a, b).
+struct RegionGraph {
+  std::vector<Region> regions;    ///< m
+  std::vector<RegionEdge> edges;
+};
+
+/// Supervoxels are adjacent if a voxel of one is among the 26 neighbours of a voxel of the other.
+RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                               const std::vector<Vec3>& normals, const Supervoxels& supervoxels);
+
+}  // namespace segserve

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/graph/region_graph.hpp"
+#include "segserve/metric/color.hpp"
+#include "segserve/metric/unification.hpp"
+#include "segserve/options/options.hpp"
+
+namespace segserve {
+
+/// eq. 5: 0 for coplanar regions, up to 1. Where the centroids coincide, c_ij is taken as 0.
+double geometric_term(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj);
+
+/// The condition of eq. 7: the normals open away from each other.
+bool is_convex(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj);
+
+/// delta of eq. 3 between regions that merge: the paper's metric in all its variants. The
+/// transformations T_C and T_G are learnt once, over the edges of the initial graph.
+class PaperMetric {
+ public:
+  PaperMetric(const RegionGraph& graph, const View& view, const Options& options);
+
+  std::size_t region_count() const { return regions_.size(); }
+  std::uint32_t points(std::uint32_t r) const { return regions_[r].points; }
+
+  /// delta(r_i, r_j) in [0, 1].
+  double dissimilarity(std::uint32_t i, std::uint32_t j) const;
+
+  /// Region `from` joins region `into`.
+  void merge(std::uint32_t into, std::uint32_t from);
+
+  /// Weight of colour against geometry.
+  double lambda() const { return unification_.lambda(); }
+
+ private:
+  /// What eq. 4 and 5 look at.
+  struct Features {
+    Vec3 normal;
+    Lab color;
+  };
+  Features features(const Region& region) const;
+  double color_distance(std::uint32_t i, std::uint32_t j) const;     // delta_C
+  double geometry_distance(std::uint32_t i, std::uint32_t j) const;  // delta_G or delta'_G
+
+  View view_;
+  bool convex_;
+  std::vector<Region> regions_;
+  std::vector<Features> features_;
+  Unification unification_;
+};
+
+}  // namespace segserve

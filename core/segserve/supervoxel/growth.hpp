@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "segserve/math/vec3.hpp"
+#include "segserve/options/options.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+#include "segserve/supervoxel/seeds.hpp"
+#include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/voxel_grid.hpp"
+
+namespace segserve {
+
+/// A partition of the voxels. Supervoxels are numbered from 0 in the order of their smallest voxels.
+struct Supervoxels {
+  std::vector<std::uint32_t> of_voxel;  ///< V
+  std::uint32_t count = 0;              ///< m
+};
+
+/// Grows supervoxels from the seeds (VCCS, Papon et al. 2013): in rounds, each takes the neighbouring
+/// voxels that are nearer to it than to their present owner by
+///     color |dRGB| / 255 + spatial |dx| / seed resolution + normal (1 - |n . n'|),
+/// then moves its centre. After 1.8 seed/voxel resolutions of rounds, as in PCL, voxels not reached
+/// yet are given to the nearest neighbouring supervoxel; components without a seed get one. So every
+/// voxel has exactly one supervoxel.
+absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                                             const std::vector<Vec3>& normals, const Seeds& seeds,
+                                             const Options& options, const StopToken& stop);
+
+}  // namespace segserve

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/voxel/voxel_grid.hpp"
+
+namespace segserve {
+
+/// Voxels from which supervoxels grow.
+struct Seeds {
+  std::vector<std::uint32_t> chosen;  ///< one voxel for each occupied cell that has enough surface, in cell order
+  std::vector<std::uint32_t> sparse;  ///< those of the cells left out: used only where nothing else reaches
+};
+
+/// VCCS: in each occupied cell of a cubic grid of edge `seed_resolution` (metres, fixed origin), the
+/// voxel nearest to the cell's centre. As in PCL, a seed counts if the voxels within half a seed
+/// resolution are more than a twentieth of a flat disc; other than there, a seed never lies outside
+/// its cell, so no voxel is a seed twice, and the size of a voxel is its true one (in a CAMERA view
+/// voxel_resolution * z), so that far surfaces get seeds, too.
+void select_seeds(const VoxelGrid& grid, const View& view, double voxel_resolution, double seed_resolution,
+                  Seeds& seeds);
+
+}  // namespace segserve

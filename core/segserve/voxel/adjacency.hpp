@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "segserve/voxel/voxel_grid.hpp"
+
+namespace segserve {
+
+/// The 26-neighbourhood of every voxel as compressed sparse rows: the neighbours of v, ascending and
+/// without v itself, are neighbor[offset[v] .. offset[v + 1]).
+struct VoxelAdjacency {
+  std::vector<std::uint32_t> offset;    ///< V + 1
+  std::vector<std::uint32_t> neighbor;
+
+  std::span<const std::uint32_t> of(std::uint32_t v) const {
+    return std::span(neighbor).subspan(offset[v], offset[v + 1] - offset[v]);
+  }
+};
+
+/// O(V), without hashing: one pointer for each of the nine rows (dy, dz) moves over the sorted keys.
+void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency);
+
+}  // namespace segserve

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/math/vec3.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+#include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/voxel_grid.hpp"
+
+namespace segserve {
+
+/// Turns a normal at `position` towards the sensor of `view`, which must have one (CAMERA, or WORLD
+/// with a position).
+Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view);
+
+/// Unit normals of the voxels (V): the plane that fits the centroids of the voxel, its neighbours and
+/// their neighbours, each as often as a path leads to it (as PCL's SupervoxelClustering does). The
+/// zero vector where no plane is defined. Turned towards the sensor; in a WORLD view without one,
+/// made consistent over each connected component, whose normals sum up to point upwards (+z).
+absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
+                             unsigned threads, const StopToken& stop, std::vector<Vec3>& normals);
+
+}  // namespace segserve

@@ -1,0 +1,224 @@
+#include "segserve/voxel/voxel_grid.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "fmt/format.h"
+#include "segserve/math/radix_sort.hpp"
+#include "segserve/pipeline/parallel.hpp"
+#include "segserve/voxel/cell.hpp"
+#include "segserve/voxel/voxel_table.hpp"
+
+namespace segserve {
+namespace {
+
+/// Integer sums over the points of a voxel: exact, so their order does not matter.
+struct Sums {
+  std::int64_t x = 0, y = 0, z = 0;  // fixed point
+  std::uint64_t red = 0, green = 0, blue = 0;
+  std::uint32_t points = 0;
+
+  void add(const Sums& o) {
+    x += o.x, y += o.y, z += o.z;
+    red += o.red, green += o.green, blue += o.blue;
+    points += o.points;
+  }
+};
+
+constexpr std::size_t kChunk = 2048;           // points whose keys are kept in the first cache
+constexpr std::size_t kStopInterval = 1U << 15U;  // points between two looks at the stop token
+
+}  // namespace
+
+struct VoxelizeScratch::Part {
+  VoxelTable table;
+  std::vector<VoxelKey> key;  // by slot - 1
+  std::vector<Sums> sums;
+  std::size_t first_invalid = SIZE_MAX;
+  std::size_t finite_points = 0;
+  absl::Status stopped;
+};
+
+VoxelizeScratch::VoxelizeScratch() = default;
+VoxelizeScratch::~VoxelizeScratch() = default;
+
+namespace {
+
+using Part = VoxelizeScratch::Part;
+
+/// Voxelises a contiguous range of points.
+class RangeVoxelizer {
+ public:
+  RangeVoxelizer(const CloudView& cloud, const CellMapping& mapping, Part& part, std::span<std::uint32_t> slot_of_point)
+      : cloud_(cloud), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
+
+  void run(std::size_t begin, std::size_t end, const StopToken& stop) {
+    part_.table.clear();
+    part_.key.clear();
+    part_.sums.clear();
+    part_.first_invalid = SIZE_MAX;
+    part_.finite_points = 0;
+    part_.stopped = absl::OkStatus();
+    for (std::size_t first = begin; first < end && part_.first_invalid == SIZE_MAX; first += kChunk) {
+      if ((first - begin) % kStopInterval == 0 && !(part_.stopped = stop.check()).ok()) return;
+      const std::size_t last = std::min(first + kChunk, end);
+      if (cloud_.view.kind == ViewKind::kCamera) {
+        compute_keys<ViewKind::kCamera>(first, last);
+      } else {
+        compute_keys<ViewKind::kWorld>(first, last);
+      }
+      add_runs(first, last);
+    }
+  }
+
+ private:
+  static constexpr VoxelKey kNotFinite = ~VoxelKey{0};
+
+  /// Branch-free, so that the compiler can vectorise it.
+  template <ViewKind kind>
+  void compute_keys(std::size_t first, std::size_t last) {
+    bool all_valid = true;
+    for (std::size_t i = first; i < last; ++i) {
+      const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
+      const bool finite = is_finite(x, y, z);
+      const CellMapping::Cell cell = mapping_.cell<kind>(x, y, z);
+      keys_[i - first] = finite ? cell.key : kNotFinite;
+      all_valid &= !finite | cell.valid;
+    }
+    if (!all_valid) part_.first_invalid = find_invalid<kind>(first, last);
+  }
+
+  template <ViewKind kind>
+  std::size_t find_invalid(std::size_t first, std::size_t last) const {
+    for (std::size_t i = first; i < last; ++i) {
+      const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
+      if (is_finite(x, y, z) && !mapping_.cell<kind>(x, y, z).valid) return i;
+    }
+    return SIZE_MAX;
+  }
+
+  /// Neighbouring points mostly share a voxel: one look-up for each run of equal keys.
+  void add_runs(std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last;) {
+      const VoxelKey key = keys_[i - first];
+      std::size_t end = i + 1;
+      while (end < last && keys_[end - first] == key) ++end;
+      const std::uint32_t slot = key == kNotFinite ? 0 : add_run(key, i, end);
+      std::fill(slot_of_point_.begin() + static_cast<std::ptrdiff_t>(i),
+                slot_of_point_.begin() + static_cast<std::ptrdiff_t>(end), slot);
+      i = end;
+    }
+  }
+
+  std::uint32_t add_run(VoxelKey key, std::size_t begin, std::size_t end) {
+    const std::uint32_t slot = part_.table.find_or_insert(key);
+    if (slot > part_.sums.size()) {
+      part_.key.push_back(key);
+      part_.sums.emplace_back();
+    }
+    Sums sums;
+    for (std::size_t i = begin; i < end; ++i) {
+      sums.x += mapping_.fixed_point(cloud_.x[i]);
+      sums.y += mapping_.fixed_point(cloud_.y[i]);
+      sums.z += mapping_.fixed_point(cloud_.z[i]);
+    }
+    if (cloud_.has_color()) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t rgb = cloud_.rgb[i];
+        sums.red += red(rgb), sums.green += green(rgb), sums.blue += blue(rgb);
+      }
+    }
+    sums.points = static_cast<std::uint32_t>(end - begin);
+    part_.finite_points += end - begin;
+    part_.sums[slot - 1].add(sums);
+    return slot;
+  }
+
+  const CloudView& cloud_;
+  const CellMapping& mapping_;
+  Part& part_;
+  std::span<std::uint32_t> slot_of_point_;
+  std::array<VoxelKey, kChunk> keys_;
+};
+
+absl::Status invalid_point(const CloudView& cloud, const CellMapping& mapping, double resolution, std::size_t i) {
+  const float x = cloud.x[i], y = cloud.y[i], z = cloud.z[i];
+  if (cloud.view.kind == ViewKind::kCamera && z <= 0) {
+    return absl::InvalidArgumentError(fmt::format(
+        "point {} at ({}, {}, {}): z must be above 0 in a CAMERA view; is this a WORLD cloud?", i, x, y, z));
+  }
+  return absl::InvalidArgumentError(fmt::format(
+      "point {} at ({}, {}, {}) is beyond the grid, which reaches {} m{} at voxel_resolution {} m; move the cloud to "
+      "the origin or use larger voxels",
+      i, x, y, z, mapping.coordinate_limit(),
+      cloud.view.kind == ViewKind::kCamera ? fmt::format(" and |x/z|, |y/z| < {:.0f}", resolution * kCellBias) : "",
+      resolution));
+}
+
+/// Gathers the voxels of all parts in the first, and makes the slots of the others those of the first.
+void unite_parts(std::vector<Part>& parts, std::size_t points, unsigned threads,
+                 std::vector<std::uint32_t>& slot_of_point) {
+  std::vector<std::vector<std::uint32_t>> united(parts.size());
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    united[p].assign(parts[p].key.size() + 1, 0);
+    for (std::size_t s = 0; s < parts[p].key.size(); ++s) {
+      const std::uint32_t slot = parts[0].table.find_or_insert(parts[p].key[s]);
+      if (slot > parts[0].sums.size()) {
+        parts[0].key.push_back(parts[p].key[s]);
+        parts[0].sums.emplace_back();
+      }
+      parts[0].sums[slot - 1].add(parts[p].sums[s]);
+      united[p][s + 1] = slot;
+    }
+    parts[0].finite_points += parts[p].finite_points;
+  }
+  parallel_parts(points, threads, [&](unsigned part, std::size_t begin, std::size_t end) {
+    if (part == 0) return;
+    for (std::size_t i = begin; i < end; ++i) slot_of_point[i] = united[part][slot_of_point[i]];
+  });
+}
+
+void sort_voxels(const Part& part, double unit, std::vector<std::uint32_t>& order, VoxelGrid& grid) {
+  math::sort_order(part.key, order);
+  const std::size_t count = order.size();
+  grid.key.resize(count);
+  grid.centroid.resize(count);
+  grid.color_sum.resize(count);
+  grid.points.resize(count);
+  grid.voxel_of_slot.resize(count + 1);
+  grid.voxel_of_slot[0] = 0;
+  for (std::size_t v = 0; v < count; ++v) {
+    const std::uint32_t slot = order[v];
+    const Sums& sums = part.sums[slot];
+    const double scale = unit / sums.points;
+    grid.key[v] = part.key[slot];
+    grid.centroid[v] = {scale * static_cast<double>(sums.x), scale * static_cast<double>(sums.y),
+                        scale * static_cast<double>(sums.z)};
+    grid.color_sum[v] = {static_cast<double>(sums.red), static_cast<double>(sums.green),
+                         static_cast<double>(sums.blue)};
+    grid.points[v] = sums.points;
+    grid.voxel_of_slot[slot + 1] = static_cast<std::uint32_t>(v);
+  }
+}
+
+}  // namespace
+
+absl::Status voxelize(const CloudView& cloud, double resolution, unsigned threads, const StopToken& stop,
+                      VoxelizeScratch& scratch, VoxelGrid& grid) {
+  const CellMapping mapping(resolution);
+  if (scratch.parts.size() != threads) scratch.parts = std::vector<Part>(threads);
+  grid.slot_of_point.resize(cloud.size());
+  parallel_parts(cloud.size(), threads, [&](unsigned part, std::size_t begin, std::size_t end) {
+    RangeVoxelizer(cloud, mapping, scratch.parts[part], grid.slot_of_point).run(begin, end, stop);
+  });
+  for (const Part& part : scratch.parts) {
+    if (!part.stopped.ok()) return part.stopped;
+    if (part.first_invalid != SIZE_MAX) return invalid_point(cloud, mapping, resolution, part.first_invalid);
+  }
+  unite_parts(scratch.parts, cloud.size(), threads, grid.slot_of_point);
+  grid.finite_points = scratch.parts[0].finite_points;
+  sort_voxels(scratch.parts[0], mapping.unit(), scratch.order, grid);
+  return absl::OkStatus();
+}
+
+}  // namespace segserve

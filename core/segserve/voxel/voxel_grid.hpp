@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/math/vec3.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+
+namespace segserve {
+
+/// Cell of a voxel: three signed 21-bit coordinates, z in the highest bits, each biased by 2^20, so
+/// that keys sort by z, then y, then x.
+using VoxelKey = std::uint64_t;
+inline constexpr int kCellBits = 21;
+inline constexpr std::int32_t kCellBias = 1 << (kCellBits - 1);
+
+/// The occupied voxels of a cloud, in ascending order of their keys. The grid's origin is fixed, and
+/// sums are taken in integers: voxels depend neither on the order of the points nor on threads.
+struct VoxelGrid {
+  std::vector<VoxelKey> key;           ///< V
+  std::vector<Vec3> centroid;          ///< V: mean of the voxel's points, metres, the cloud's frame
+  std::vector<Vec3> color_sum;         ///< V: sum of (R, G, B), 0..255 each, over its points; whole numbers
+  std::vector<std::uint32_t> points;   ///< V: number of its points
+  /// N: every point's slot, in order of first appearance; 0 for a point that is not finite.
+  std::vector<std::uint32_t> slot_of_point;
+  /// The voxel of every slot, [0] unused: a value per voxel becomes one per point by one gather.
+  std::vector<std::uint32_t> voxel_of_slot;
+  std::size_t finite_points = 0;
+
+  std::size_t size() const { return key.size(); }
+};
+
+/// Buffers of `voxelize` that are worth keeping between calls.
+struct VoxelizeScratch {
+  struct Part;  // what one thread gathers
+  std::vector<Part> parts;
+  std::vector<std::uint32_t> order;
+  VoxelizeScratch();
+  ~VoxelizeScratch();
+};
+
+/// Sorts the finite points into voxels of edge `resolution` (metres; in a CAMERA view the cells are
+/// cubes of (x/z, y/z, ln z), so the edge is resolution * z).
+/// INVALID_ARGUMENT, naming the first such point: z <= 0 in a CAMERA view, or a coordinate beyond
+/// the grid (about 2^18 voxels from the origin). CANCELLED, DEADLINE_EXCEEDED.
+absl::Status voxelize(const CloudView& cloud, double resolution, unsigned threads, const StopToken& stop,
+                      VoxelizeScratch& scratch, VoxelGrid& grid);
+
+}  // namespace segserve
