@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace segserve::eval {
+
+/// How many points a ground-truth region and a segment have in common; pairs without any are left out.
+struct Overlap {
+  std::uint32_t region = 0, segment = 0;  ///< indices into `Contingency::regions` and `::segments`
+  std::uint64_t points = 0;
+};
+
+struct Part {
+  std::uint32_t label = 0;
+  std::uint64_t points = 0;
+};
+
+/// The contingency table of a segmentation against ground truth, over the points whose ground truth
+/// is not 0 (0 = no finite point, dropped before scoring).
+struct Contingency {
+  std::vector<Part> regions;      ///< of the ground truth, by ascending label
+  std::vector<Part> segments;     ///< by ascending label
+  std::vector<Overlap> overlaps;  ///< ascending by (region, segment)
+  std::uint64_t points = 0;
+};
+
+/// One entry a point in both. INVALID_ARGUMENT if the lengths differ or no point has ground truth.
+absl::StatusOr<Contingency> tabulate(std::span<const std::uint32_t> truth, std::span<const std::uint32_t> labels);
+
+}  // namespace segserve::eval
