@@ -1,0 +1,75 @@
+#include "segserve/server/frame.hpp"
+
+#include <exception>
+#include <utility>
+
+#include "segserve/server/version.hpp"
+#include "segserve/wire/cloud.hpp"
+#include "segserve/wire/options.hpp"
+#include "segserve/wire/result.hpp"
+#include "segserve/wire/status.hpp"
+#include "spdlog/spdlog.h"
+
+namespace segserve::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
+
+/// What is known of the result before its message is made.
+wire::Result describe(Segmentation segmentation, const wire::DecodedCloud& decoded, const Options& options) {
+  wire::Result result;
+  result.points = decoded.cloud.size();
+  result.supervoxels = static_cast<std::uint32_t>(segmentation.tree.leaf_count());
+  if (!options.regions) result.threshold = segmentation.threshold;
+  result.view = decoded.cloud.view;
+  result.view_rule = decoded.view_rule;
+  result.server_version = kVersion;
+  result.options_hash = wire::options_hash(options);
+  result.segmentation = std::move(segmentation);
+  return result;
+}
+
+absl::StatusOr<v1alpha1::SegmentationResult> process_steps(const Frame& frame, const codec::DecodeLimits& limits,
+                                                           SegmenterInterface& segmenter, const StopToken& stop) {
+  const Clock::time_point started = Clock::now();
+  if (const absl::Status status = stop.check(); !status.ok()) return status;
+  const absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(frame.payload, limits);
+  if (!decoded.ok()) return decoded.status();
+  const Clock::time_point decode_end = Clock::now();
+
+  if (const absl::Status status = stop.check(); !status.ok()) return status;
+  absl::StatusOr<Segmentation> segmentation = segmenter.segment(decoded->cloud, frame.request.options, stop);
+  if (!segmentation.ok()) {
+    const bool is_cloud_at_fault = absl::IsInvalidArgument(segmentation.status());  // the options were checked before
+    return is_cloud_at_fault ? wire::with_reason(segmentation.status(), v1alpha1::ERROR_REASON_INVALID_CLOUD)
+                             : segmentation.status();
+  }
+  if (const absl::Status status = stop.check(); !status.ok()) return status;
+
+  const Clock::time_point encode_start = Clock::now();
+  wire::Result result = describe(*std::move(segmentation), *decoded, frame.request.options);
+  result.timings.queue = milliseconds(started - frame.arrival);
+  result.timings.decode = milliseconds(decode_end - started);
+  absl::StatusOr<v1alpha1::SegmentationResult> message = wire::to_message(result, frame.request.outputs);
+  if (message.ok()) {
+    const Clock::time_point end = Clock::now();
+    wire::set_final_timings(*message, milliseconds(end - encode_start), milliseconds(end - frame.arrival));
+  }
+  return message;
+}
+
+}  // namespace
+
+absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
+                                                     SegmenterInterface& segmenter, const StopToken& stop) {
+  try {
+    return process_steps(frame, limits, segmenter, stop);
+  } catch (const std::exception& error) {
+    spdlog::error("a frame failed with an exception: {}", error.what());
+    return absl::InternalError("the server failed to process this frame; its log says more");
+  }
+}
+
+}  // namespace segserve::server

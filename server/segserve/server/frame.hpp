@@ -1,0 +1,28 @@
+#pragma once
+
+#include <chrono>
+
+#include "absl/status/statusor.h"
+#include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+#include "segserve/server/segmenter_interface.hpp"
+#include "segserve/v1alpha1/cloud.pb.h"
+#include "segserve/v1alpha1/result.pb.h"
+#include "segserve/wire/request.hpp"
+
+namespace segserve::server {
+
+/// One cloud on its way through the server, whichever RPC brought it. The payload outlives the frame.
+struct Frame {
+  const v1alpha1::Cloud& payload;
+  wire::ParsedRequest request;
+  std::chrono::steady_clock::time_point arrival;
+};
+
+/// Decodes, segments and encodes, and looks for a stop between these steps and within the segmentation. Knows
+/// nothing of the transport. Every error has its reason (see v1alpha1.ErrorReason); exceptions of libraries end
+/// here, as INTERNAL.
+absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
+                                                     SegmenterInterface& segmenter, const StopToken& stop);
+
+}  // namespace segserve::server

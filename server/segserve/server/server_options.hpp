@@ -1,0 +1,38 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "segserve/options/options.hpp"
+
+namespace segserve::server {
+
+/// How a server runs. The flags of the binary `segserve` have the same names.
+struct ServerOptions {
+  /// HOST:PORT, [IPv6]:PORT or unix:PATH; port 0 picks a free one.
+  std::string listen = "127.0.0.1:50051";
+  /// Plain text on an address that other machines can reach is refused unless this says so.
+  bool insecure_beyond_loopback = false;
+
+  /// Calls computed at the same time; 0: one per CPU.
+  std::size_t workers = 0;
+  /// Most threads within one call.
+  std::uint32_t threads = 1;
+  /// Calls that may wait for a worker.
+  std::size_t queue = 64;
+
+  /// Points of one cloud.
+  std::uint64_t max_points = 2'000'000;
+  /// Bytes of one cloud after decompression.
+  std::uint64_t max_decoded_bytes = std::uint64_t{64} << 20U;
+
+  /// Time for the calls in flight when the server stops; then they are cancelled.
+  std::chrono::milliseconds grace_period{20'000};
+
+  /// The segmentation of a call that sets no options.
+  Options defaults;
+};
+
+}  // namespace segserve::server

@@ -1,0 +1,68 @@
+#include "segserve/server/service.hpp"
+
+#include <algorithm>
+
+#include "segserve/server/segment_call.hpp"
+#include "segserve/server/server_info.hpp"
+#include "segserve/wire/status.hpp"
+#include "spdlog/spdlog.h"
+
+namespace segserve::server {
+namespace {
+
+constexpr std::chrono::milliseconds kRetryElsewhere{500};
+
+std::vector<std::unique_ptr<SegmenterInterface>> make_segmenters(std::size_t count, const SegmenterFactory& make) {
+  std::vector<std::unique_ptr<SegmenterInterface>> segmenters(count);
+  std::ranges::generate(segmenters, make);
+  return segmenters;
+}
+
+}  // namespace
+
+SegmentationService::SegmentationService(const ServerOptions& options, const SegmenterFactory& make_segmenter)
+    : defaults_(options.defaults),
+      max_threads_(options.threads),
+      limits_{.max_points = options.max_points, .max_bytes = options.max_decoded_bytes},
+      info_(server_info(options, options.workers)),
+      segmenters_(make_segmenters(options.workers, make_segmenter)),
+      pool_(options.workers, options.queue) {}
+
+grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
+                                                       const v1alpha1::SegmentRequest* request,
+                                                       v1alpha1::SegmentResponse* response) {
+  if (!gate_.enter()) {
+    spdlog::debug("Segment from {}: refused, the server is draining", context->peer());
+    grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+    reactor->Finish(wire::to_grpc(
+        wire::with_details(absl::UnavailableError("the server is about to stop; try again with another replica"),
+                           {.reason = v1alpha1::ERROR_REASON_DRAINING, .retry_delay = kRetryElsewhere})));
+    return reactor;
+  }
+  auto* call = new SegmentCall(*this, *context, *request, *response);  // deletes itself in OnDone
+  call->start();
+  return call;
+}
+
+grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServerContext* context,
+                                                             const v1alpha1::GetServerInfoRequest* /*request*/,
+                                                             v1alpha1::GetServerInfoResponse* response) {
+  *response = info_;
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+std::chrono::milliseconds SegmentationService::retry_delay() const {
+  const double calls_ahead = static_cast<double>(pool_.queued()) / static_cast<double>(pool_.workers());
+  return std::chrono::milliseconds(
+      static_cast<std::int64_t>(std::clamp(typical_ms_ * (calls_ahead + 1), 20.0, 10'000.0)));
+}
+
+void SegmentationService::note_duration(std::chrono::steady_clock::duration duration) {
+  // An update lost to another worker's does no harm.
+  const double sample = std::chrono::duration<double, std::milli>(duration).count();
+  typical_ms_ = 0.9 * typical_ms_ + 0.1 * sample;
+}
+
+}  // namespace segserve::server

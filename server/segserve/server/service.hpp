@@ -1,0 +1,56 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include "segserve/codec/limits.hpp"
+#include "segserve/server/call_gate.hpp"
+#include "segserve/server/segmenter_interface.hpp"
+#include "segserve/server/server_options.hpp"
+#include "segserve/server/worker_pool.hpp"
+#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+
+namespace segserve::server {
+
+/// The RPCs of segserve.v1alpha1. Handlers never block: they check the request and hand it to the worker pool.
+class SegmentationService final : public v1alpha1::SegmentationService::CallbackService {
+ public:
+  /// `options.workers` must not be 0 here.
+  SegmentationService(const ServerOptions& options, const SegmenterFactory& make_segmenter);
+
+  grpc::ServerUnaryReactor* Segment(grpc::CallbackServerContext* context, const v1alpha1::SegmentRequest* request,
+                                    v1alpha1::SegmentResponse* response) override;
+  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
+                                          const v1alpha1::GetServerInfoRequest* request,
+                                          v1alpha1::GetServerInfoResponse* response) override;
+
+  /// Refuses new calls of Segment from now on: UNAVAILABLE, DRAINING.
+  void start_draining() { gate_.close(); }
+  /// Waits for the calls in flight; false if some are left at the deadline.
+  bool wait_until_idle_or(std::chrono::steady_clock::time_point deadline) {
+    return gate_.wait_until_empty_or(deadline);
+  }
+  void wait_until_idle() { gate_.wait_until_empty(); }
+  /// Calls in flight, waiting or computed.
+  std::size_t calls() const { return gate_.inside(); }
+
+ private:
+  friend class SegmentCall;
+
+  /// How long a caller should wait for a free place, judged by the calls before.
+  std::chrono::milliseconds retry_delay() const;
+  void note_duration(std::chrono::steady_clock::duration duration);
+
+  const Options defaults_;
+  const std::uint32_t max_threads_;
+  const codec::DecodeLimits limits_;
+  const v1alpha1::GetServerInfoResponse info_;
+  CallGate gate_;
+  std::atomic<double> typical_ms_{100};                          // a call on a worker, moving average
+  std::vector<std::unique_ptr<SegmenterInterface>> segmenters_;  // one per worker
+  WorkerPool pool_;  // the last member: it ends first, and with it whatever uses the others
+};
+
+}  // namespace segserve::server
