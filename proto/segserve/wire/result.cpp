@@ -108,6 +108,22 @@ absl::Status read_tree(const v1alpha1::MergeTree& message, std::uint32_t supervo
 
 }  // namespace
 
+Result make_result(Segmentation segmentation, const CloudView& cloud, const Options& options, std::string view_rule,
+                   std::string version) {
+  Result result;
+  result.points = cloud.size();
+  result.supervoxels = static_cast<std::uint32_t>(segmentation.tree.leaf_count());
+  result.method = options.method;
+  if (!options.regions) result.threshold = segmentation.threshold;
+  result.regions = options.regions;
+  result.view = cloud.view;
+  result.view_rule = std::move(view_rule);
+  result.server_version = std::move(version);
+  result.options_hash = options_hash(options);
+  result.segmentation = std::move(segmentation);
+  return result;
+}
+
 absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
   v1alpha1::SegmentationResult message;
   fill_summary(result, *message.mutable_summary());

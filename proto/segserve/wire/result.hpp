@@ -32,9 +32,13 @@ struct Result {
   View view;                             ///< that was used
   std::string view_rule;                 ///< why this view, for people
   CallTimings timings;
-  std::string server_version;
-  std::string options_hash;  ///< see wire::options_hash
+  std::string server_version;  ///< of the program that segmented
+  std::string options_hash;    ///< see wire::options_hash
 };
+
+/// What there is to tell of the finished segmentation of `cloud`; call timings are left 0.
+Result make_result(Segmentation segmentation, const CloudView& cloud, const Options& options, std::string view_rule,
+                   std::string version);
 
 /// The message with the arrays that `outputs` asks for. Sets every timing but `encode` and `total`, which are
 /// not known before: see set_final_timings.

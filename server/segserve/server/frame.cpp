@@ -5,7 +5,6 @@
 
 #include "segserve/server/version.hpp"
 #include "segserve/wire/cloud.hpp"
-#include "segserve/wire/options.hpp"
 #include "segserve/wire/result.hpp"
 #include "segserve/wire/status.hpp"
 #include "spdlog/spdlog.h"
@@ -16,20 +15,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
-
-/// What is known of the result before its message is made.
-wire::Result describe(Segmentation segmentation, const wire::DecodedCloud& decoded, const Options& options) {
-  wire::Result result;
-  result.points = decoded.cloud.size();
-  result.supervoxels = static_cast<std::uint32_t>(segmentation.tree.leaf_count());
-  if (!options.regions) result.threshold = segmentation.threshold;
-  result.view = decoded.cloud.view;
-  result.view_rule = decoded.view_rule;
-  result.server_version = kVersion;
-  result.options_hash = wire::options_hash(options);
-  result.segmentation = std::move(segmentation);
-  return result;
-}
 
 absl::StatusOr<v1alpha1::SegmentationResult> process_steps(const Frame& frame, const codec::DecodeLimits& limits,
                                                            SegmenterInterface& segmenter, const StopToken& stop) {
@@ -49,7 +34,8 @@ absl::StatusOr<v1alpha1::SegmentationResult> process_steps(const Frame& frame, c
   if (const absl::Status status = stop.check(); !status.ok()) return status;
 
   const Clock::time_point encode_start = Clock::now();
-  wire::Result result = describe(*std::move(segmentation), *decoded, frame.request.options);
+  wire::Result result =
+      wire::make_result(*std::move(segmentation), decoded->cloud, frame.request.options, decoded->view_rule, kVersion);
   result.timings.queue = milliseconds(started - frame.arrival);
   result.timings.decode = milliseconds(decode_end - started);
   absl::StatusOr<v1alpha1::SegmentationResult> message = wire::to_message(result, frame.request.outputs);
