@@ -1,0 +1,70 @@
+#include "segserve/client/request.hpp"
+
+#include <cstdint>
+#include <string_view>
+#include <utility>
+
+#include "segserve/wire/cloud.hpp"
+#include "segserve/wire/limits.hpp"
+#include "segserve/wire/options.hpp"
+#include "segserve/wire/status.hpp"
+
+namespace segserve::client {
+namespace {
+
+v1alpha1::SegmentRequest request_without_cloud(const Options& options, const CallOptions& call) {
+  v1alpha1::SegmentRequest request;
+  request.set_request_id(call.request_id);
+  *request.mutable_options() = wire::to_message(options);
+  *request.mutable_outputs() = wire::to_message(call.outputs);
+  return request;
+}
+
+absl::Status check_size(std::uint64_t bytes, std::string_view what) {
+  if (bytes <= wire::kMaxRequestBytes) return absl::OkStatus();
+  return wire::limit_exceeded(what, bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
+}
+
+/// Bytes of the planes without compression: what decides whether it is needed.
+std::uint64_t raw_bytes(const CloudView& cloud) {
+  return std::uint64_t{cloud.size()} * (3 * sizeof(float) + (cloud.has_color() ? 3 : 0));
+}
+
+absl::StatusOr<v1alpha1::SegmentRequest> encode_planar(const CloudView& cloud, v1alpha1::Compression compression,
+                                                       const Options& options, const CallOptions& call) {
+  absl::StatusOr<v1alpha1::Cloud> message = wire::to_planar_message(cloud, compression);
+  if (!message.ok()) return message.status();
+  v1alpha1::SegmentRequest request = request_without_cloud(options, call);
+  *request.mutable_cloud() = *std::move(message);
+  return request;
+}
+
+}  // namespace
+
+absl::StatusOr<v1alpha1::SegmentRequest> planar_request(const CloudView& cloud, const Options& options,
+                                                        const CallOptions& call) {
+  if (absl::Status status = check_shape(cloud); !status.ok()) return status;
+  const bool too_large = raw_bytes(cloud) > wire::kMaxRequestBytes;
+  if (too_large && call.compress == Compress::kNever) {
+    return check_size(raw_bytes(cloud), "the cloud, sent without compression, has");
+  }
+  const bool compress = too_large || call.compress == Compress::kAlways;
+  auto request =
+      encode_planar(cloud, compress ? v1alpha1::COMPRESSION_ZSTD : v1alpha1::COMPRESSION_NONE, options, call);
+  if (!request.ok()) return request;
+  absl::Status size =
+      check_size(request->ByteSizeLong(), compress ? "the request, with the cloud compressed, has" : "the request has");
+  if (!size.ok()) return size;
+  return request;
+}
+
+absl::StatusOr<v1alpha1::SegmentRequest> pcd_request(std::string file_bytes, std::optional<View> view,
+                                                     const Options& options, const CallOptions& call) {
+  if (absl::Status size = check_size(file_bytes.size(), "the PCD file has"); !size.ok()) return size;
+  v1alpha1::SegmentRequest request = request_without_cloud(options, call);
+  *request.mutable_cloud() = wire::to_pcd_message(std::move(file_bytes), view);
+  if (absl::Status size = check_size(request.ByteSizeLong(), "the request has"); !size.ok()) return size;
+  return request;
+}
+
+}  // namespace segserve::client

@@ -1,0 +1,107 @@
+#include "segserve/segctl/summary.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "fmt/format.h"
+#include "nlohmann/json.hpp"
+#include "segserve/segctl/view_flag.hpp"
+
+namespace segserve::segctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename Value>
+Json optional_json(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
+
+/// Points of each segment, largest first: segment s is entry s - 1.
+std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
+  std::vector<std::size_t> sizes(segmentation.segments);
+  for (const std::uint32_t label : segmentation.labels) {
+    if (label > 0) ++sizes[label - 1];
+  }
+  return sizes;
+}
+
+std::string cut_text(const client::Result& result) {
+  if (result.regions) return fmt::format("cut at {} regions", *result.regions);
+  return fmt::format("threshold {}", result.threshold.value_or(0));
+}
+
+std::string sizes_text(const Segmentation& segmentation) {
+  constexpr std::size_t kShown = 5;
+  const std::vector<std::size_t> sizes = segment_sizes(segmentation);
+  std::string text;
+  for (std::size_t i = 0; i < std::min(kShown, sizes.size()); ++i) {
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", sizes[i]);
+  }
+  if (sizes.empty()) return "no segments";
+  return fmt::format("{} points{}", text, sizes.size() > kShown ? ", .." : "");
+}
+
+}  // namespace
+
+std::vector<Timing> stage_timings(const client::Result& result) {
+  const client::Result& r = result;
+  const StageTimings& stages = r.segmentation.timings;
+  return {{"queue", r.timings.queue},  {"decode", r.timings.decode},        {"voxels", stages.voxels},
+          {"normals", stages.normals}, {"supervoxels", stages.supervoxels}, {"graph", stages.graph},
+          {"merging", stages.merging}, {"labels", stages.labels},           {"encode", r.timings.encode},
+          {"total", r.timings.total}};
+}
+
+Json to_json(const Summary& summary) {
+  const client::Result& result = summary.result;
+  Json json;
+  json["points"] = result.points;
+  json["finite"] = result.segmentation.finite_points;
+  json["voxels"] = result.segmentation.voxels;
+  json["supervoxels"] = result.supervoxels;
+  json["segments"] = result.segmentation.segments;
+  json["segment_points"] = segment_sizes(result.segmentation);
+  json["method"] = name(result.method);
+  json["threshold"] = optional_json(result.threshold);
+  json["regions"] = optional_json(result.regions);
+  json["lambda"] = result.segmentation.lambda;
+  json["view"] = view_text(result.view);
+  json["view_rule"] = result.view_rule;
+  json["options_hash"] = result.options_hash;
+  json["server"] = text_or_null(summary.server);
+  json["version"] = result.server_version;
+  Json& timings = json["timings_ms"] = Json::object();
+  for (const Timing& timing : summary.timings) timings[timing.name] = timing.ms;
+  return json;
+}
+
+std::string to_text(const Summary& summary) {
+  const client::Result& result = summary.result;
+  const Segmentation& segmentation = result.segmentation;
+  std::string text = fmt::format("{}: {} points, {} finite; {}\n", summary.input, result.points,
+                                 segmentation.finite_points, result.view_rule);
+  text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
+                      result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",
+                      sizes_text(segmentation));
+  text += fmt::format("{:.1f} ms {}", summary.timings.back().ms,
+                      summary.server.empty() ? "in this process:" : "by " + summary.server + ":");
+  for (std::size_t i = 0; i + 1 < summary.timings.size(); ++i) {
+    text += fmt::format("{} {} {:.1f}", i == 0 ? "" : ",", summary.timings[i].name, summary.timings[i].ms);
+  }
+  return text + "\n";
+}
+
+absl::Status report(const Summary& summary, const std::string& json_path, bool quiet, StagedOutput& output) {
+  if (!json_path.empty()) {
+    // Names of files need not be UTF-8; JSON must be.
+    output.add(json_path, to_json(summary).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  }
+  const bool show_text = !quiet && !output.uses_stdout();
+  if (show_text) output.add("-", to_text(summary));
+  return output.commit();
+}
+
+}  // namespace segserve::segctl

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "nlohmann/json_fwd.hpp"
+#include "segserve/client/client.hpp"
+#include "segserve/segctl/staged_output.hpp"
+
+namespace segserve::segctl {
+
+/// One named time in milliseconds.
+struct Timing {
+  std::string name;
+  double ms = 0;
+};
+
+/// What a command tells about a segmented cloud.
+struct Summary {
+  const client::Result& result;
+  std::string input;            ///< for people: where the points came from
+  std::string server;           ///< address; empty: no server took part
+  std::vector<Timing> timings;  ///< in order; the last one is the total
+};
+
+/// The times of a result as the server (or the local run) took them, total last.
+std::vector<Timing> stage_timings(const client::Result& result);
+
+/// One object with at least points, finite, supervoxels, segments, method, threshold (null after a
+/// cut at a number of regions), timings_ms.
+nlohmann::ordered_json to_json(const Summary& summary);
+
+/// A few lines for people.
+std::string to_text(const Summary& summary);
+
+/// Writes JSON to `json_path` unless it is empty, and the text to standard output unless that is
+/// taken by some file. Call after all files were added.
+absl::Status report(const Summary& summary, const std::string& json_path, bool quiet, StagedOutput& output);
+
+}  // namespace segserve::segctl
