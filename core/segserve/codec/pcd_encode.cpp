@@ -79,8 +79,8 @@ std::string lay_out(const CloudView& cloud, std::span<const std::uint32_t> label
   return body;
 }
 
-/// LZF's worst case: a byte of control before each 32.
-std::size_t compressed_bound(std::size_t bytes) { return bytes + bytes / 32 + 1; }
+/// LZF's worst case, a byte of control before each 32, and the room it wants to have ahead.
+std::size_t compressed_bound(std::size_t bytes) { return bytes + bytes / 32 + 16; }
 
 std::string compress(const std::string& planes) {
   std::string out(2 * sizeof(std::uint32_t) + compressed_bound(planes.size()), '\0');

@@ -1,0 +1,51 @@
+#include "segserve/codec/planar.hpp"
+
+#include "test/core/codec/sample.hpp"
+
+namespace segserve::codec {
+namespace {
+
+TEST(Planar, KeepsEverything) {
+  for (const bool color : {false, true}) {
+    const Sample sample = make_sample(1, 13, 7, color, false);
+    const PlanarPlanes planes = encode_planar(sample.cloud);
+    EXPECT_EQ(planes.x.size(), 4U * 13 * 7);
+    const auto read = decode_planar(planes, 13, 7, View::world(1, 2, 3), DecodeLimits{});
+    ASSERT_TRUE(read.ok()) << read.status();
+    expect_same_points(*read, sample.cloud);
+    EXPECT_EQ(read->width, 13U);
+    EXPECT_EQ(read->height, 7U);
+    EXPECT_EQ(read->view, View::world(1, 2, 3));
+  }
+}
+
+TEST(Planar, LayoutIsLittleEndianFloatsAndInterleavedBytes) {
+  const Cloud cloud{{1.0F}, {-2.0F}, {0.5F}, {0x102030}, 1, 1, View::camera()};
+  const PlanarPlanes planes = encode_planar(cloud);
+  EXPECT_EQ(planes.x, std::string("\x00\x00\x80\x3f", 4));
+  EXPECT_EQ(planes.y, std::string("\x00\x00\x00\xc0", 4));
+  EXPECT_EQ(planes.z, std::string("\x00\x00\x00\x3f", 4));
+  EXPECT_EQ(planes.rgb, "\x10\x20\x30");
+}
+
+TEST(Planar, WrongLengthsAndLimitsAreNamed) {
+  const PlanarPlanes good = encode_planar(make_sample(1, 4, 2, true, false).cloud);
+  const auto status = [](const PlanarBytes& planes, DecodeLimits limits = {}, std::uint32_t width = 4) {
+    return decode_planar(planes, width, 2, View::camera(), limits).status();
+  };
+  expect_fault(status({good.x.substr(1), good.y, good.z, good.rgb}),
+               "plane x has 31 bytes; 8 points of 4 bytes are 32");
+  expect_fault(status({good.x, "", good.z, good.rgb}), "plane y has 0 bytes");
+  expect_fault(status({good.x, good.y, good.rgb, good.rgb}), "plane z has 24 bytes");
+  expect_fault(status({good.x, good.y, good.z, good.x}), "plane rgb has 32 bytes; 8 points of 3 bytes are 24");
+  expect_fault(status(good, {.max_points = 7}), "8 points exceed the limit of 7 points");
+  expect_fault(status(good, {.max_bytes = 119}), "120 bytes exceed the limit of 119 bytes");
+  expect_fault(status(good, {}, 0xFFFFFFFFU), "8589934590 points exceed the limit");
+  expect_fault(decode_planar(good, 0xFFFFFFFFU, 0xFFFFFFFFU, View::camera(),
+                             {.max_points = std::numeric_limits<std::uint64_t>::max()})
+                   .status(),
+               "plane x");
+}
+
+}  // namespace
+}  // namespace segserve::codec
