@@ -1,0 +1,33 @@
+# What `cmake --install` puts where, so that find_package(segserve) works: one export set per component of the package.
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/segserve)
+
+install(TARGETS segserve_core segserve_codec segserve_picture segserve_synth segserve_eval EXPORT segserveCoreTargets)
+install(DIRECTORY core/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+        FILES_MATCHING PATTERN "*.hpp" PATTERN pcl_adapter EXCLUDE)
+install(EXPORT segserveCoreTargets NAMESPACE segserve:: DESTINATION ${package_dir})
+
+if(SEGSERVE_BUILD_PCL)
+  install(TARGETS segserve_pcl EXPORT segservePclTargets)
+  install(DIRECTORY core/segserve/pcl_adapter DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segserve
+          FILES_MATCHING PATTERN "*.hpp")
+  install(EXPORT segservePclTargets NAMESPACE segserve:: DESTINATION ${package_dir})
+endif()
+
+if(SEGSERVE_BUILD_SERVICE)
+  install(TARGETS segserve segctl)
+  install(TARGETS segserve_proto segserve_wire segserve_health segserve_client EXPORT segserveClientTargets)
+  install(DIRECTORY client/segserve/client proto/segserve/wire DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segserve
+          FILES_MATCHING PATTERN "*.hpp")
+  install(DIRECTORY ${PROJECT_BINARY_DIR}/proto/generated/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+          FILES_MATCHING PATTERN "*.pb.h")
+  install(DIRECTORY proto/segserve proto/google DESTINATION ${CMAKE_INSTALL_DATADIR}/segserve/proto
+          FILES_MATCHING PATTERN "*.proto")
+  install(EXPORT segserveClientTargets NAMESPACE segserve:: DESTINATION ${package_dir})
+endif()
+
+configure_package_config_file(deploy/cmake/segserveConfig.cmake.in ${PROJECT_BINARY_DIR}/segserveConfig.cmake
+                              INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/segserveConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/segserveConfig.cmake ${PROJECT_BINARY_DIR}/segserveConfigVersion.cmake
+        DESTINATION ${package_dir})
+install(FILES LICENSE README.md DESTINATION ${CMAKE_INSTALL_DOCDIR})

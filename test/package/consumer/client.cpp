@@ -1,0 +1,13 @@
+// Asks a server that is not there: the client library is linked whole, and says so.
+#include <cstdio>
+#include <string>
+
+#include "segserve/client/client.hpp"
+
+int main() {
+  const auto client = segserve::client::Client::connect({.address = "127.0.0.1:1"});
+  if (!client.ok()) return 1;
+  const absl::Status status = client->health();
+  std::printf("%s\n", status.ToString().c_str());
+  return absl::IsUnavailable(status) ? 0 : 1;
+}
