@@ -1,6 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/status.h"
 
 namespace segserve::codec {
 
@@ -12,5 +17,17 @@ struct DecodeLimits {
   /// Bytes of one encoded cloud, and of anything decompressed from it.
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;
 };
+
+/// Which of the limits above a claim exceeded: for callers that answer it differently from damage.
+struct LimitExcess {
+  std::string limit;  ///< the member's name
+  std::uint64_t actual = 0;
+  std::uint64_t allowed = 0;
+};
+
+/// INVALID_ARGUMENT that carries what `limit_excess` reads.
+absl::Status over_limit(std::string_view message, const LimitExcess& excess);
+/// Nothing unless the status was made by `over_limit`.
+std::optional<LimitExcess> limit_excess(const absl::Status& status);
 
 }  // namespace segserve::codec

@@ -52,7 +52,9 @@ absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& hea
                  header.points, point_bytes);
   }
   if (claimed > limits.max_bytes) {
-    return fault("it claims {} bytes when decompressed, which exceeds the limit of {}", claimed, limits.max_bytes);
+    return over_limit(fmt::format("PCD body: it claims {} bytes when decompressed, which exceeds the limit of {}",
+                                  claimed, limits.max_bytes),
+                      {"max_bytes", claimed, limits.max_bytes});
   }
   constexpr std::uint64_t kBestRatio = 88;  // LZF: 264 bytes by a reference of 3
   if (claimed > kBestRatio * compressed) {
@@ -185,8 +187,8 @@ void choose_view(const PcdHeader& header, const std::optional<View>& given, Labe
 absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                          std::optional<View> view) {
   if (bytes.size() > limits.max_bytes) {
-    return absl::InvalidArgumentError(
-        fmt::format("PCD file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes));
+    return over_limit(fmt::format("PCD file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes),
+                      {"max_bytes", bytes.size(), limits.max_bytes});
   }
   const auto header = parse_pcd_header(as_text(bytes), limits);
   if (!header.ok()) return header.status();

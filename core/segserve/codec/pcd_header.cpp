@@ -161,13 +161,17 @@ absl::Status read_shape(const Entries& entries, const DecodeLimits& limits, PcdH
   const std::uint64_t height = given_height->value_or(1);
   constexpr std::uint64_t kLargest = std::numeric_limits<std::uint32_t>::max();
   if (width > kLargest || height > kLargest) {
-    return fault("WIDTH {} x HEIGHT {} exceeds the limit of {} points", width, height, limits.max_points);
+    return over_limit(fmt::format("PCD header: WIDTH {} x HEIGHT {} exceeds the limit of {} points", width, height,
+                                  limits.max_points),
+                      {"max_points", std::max(width, height), limits.max_points});
   }
   if (points->value_or(width * height) != width * height) {
     return fault("POINTS {} is not WIDTH {} x HEIGHT {}", **points, width, height);
   }
   if (width * height > limits.max_points) {
-    return fault("POINTS {} exceeds the limit of {} points", width * height, limits.max_points);
+    return over_limit(
+        fmt::format("PCD header: POINTS {} exceeds the limit of {} points", width * height, limits.max_points),
+        {"max_points", width * height, limits.max_points});
   }
   header.width = static_cast<std::uint32_t>(width);
   header.height = static_cast<std::uint32_t>(height);

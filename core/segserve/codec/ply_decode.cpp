@@ -190,8 +190,8 @@ absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body,
 absl::StatusOr<LabelledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                          std::optional<View> view) {
   if (bytes.size() > limits.max_bytes) {
-    return absl::InvalidArgumentError(
-        fmt::format("PLY file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes));
+    return over_limit(fmt::format("PLY file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes),
+                      {"max_bytes", bytes.size(), limits.max_bytes});
   }
   const auto header = parse_ply_header(as_text(bytes), limits);
   if (!header.ok()) return header.status();

@@ -161,7 +161,9 @@ absl::Status find_vertex(const DecodeLimits& limits, PlyHeader& header) {
   header.vertex = **vertex;
   const std::uint64_t points = header.elements[header.vertex].rows;
   if (points > limits.max_points) {
-    return fault("element vertex {} exceeds the limit of {} points", points, limits.max_points);
+    return over_limit(
+        fmt::format("PLY header: element vertex {} exceeds the limit of {} points", points, limits.max_points),
+        {"max_points", points, limits.max_points});
   }
   return absl::OkStatus();
 }
