@@ -16,8 +16,15 @@ namespace {
 constexpr std::uint64_t kCoordinateBytes = 4;
 constexpr std::uint64_t kColorBytes = 3;
 
-absl::Status malformed(const absl::Status& status) {
-  return with_reason(status, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+/// What a decoder found: damage, or a limit of v1alpha1.Limits exceeded.
+absl::Status decode_error(const absl::Status& status) {
+  const std::optional<codec::LimitExcess> excess = codec::limit_excess(status);
+  if (!excess) return with_reason(status, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+  return with_details(absl::Status(status.code(), status.message()),
+                      {.reason = v1alpha1::ERROR_REASON_LIMIT_EXCEEDED,
+                       .metadata = {{"limit", excess->limit == "max_bytes" ? "max_decoded_bytes" : excess->limit},
+                                    {"allowed", fmt::format("{}", excess->allowed)},
+                                    {"actual", fmt::format("{}", excess->actual)}}});
 }
 
 absl::Status check_limits(std::uint64_t points, std::uint64_t bytes, const codec::DecodeLimits& limits) {
@@ -63,7 +70,7 @@ absl::StatusOr<DecodedCloud> decode(const v1alpha1::Cloud& message, const v1alph
   if (!reader.status().ok()) return reader.status();
 
   absl::StatusOr<Cloud> cloud = codec::decode_planar(planes, message.width(), message.height(), view, limits);
-  if (!cloud.ok()) return malformed(cloud.status());
+  if (!cloud.ok()) return decode_error(cloud.status());
   return DecodedCloud{*std::move(cloud),
                       fmt::format("{} as the request says", view.kind == ViewKind::kCamera ? "CAMERA" : "WORLD")};
 }
@@ -71,7 +78,7 @@ absl::StatusOr<DecodedCloud> decode(const v1alpha1::Cloud& message, const v1alph
 absl::StatusOr<DecodedCloud> decode(const v1alpha1::Cloud& message, const v1alpha1::PcdFile& file,
                                     std::optional<View> view, const codec::DecodeLimits& limits) {
   absl::StatusOr<codec::LabelledCloud> decoded = codec::decode_pcd(std::as_bytes(std::span(file.data())), limits, view);
-  if (!decoded.ok()) return malformed(decoded.status());
+  if (!decoded.ok()) return decode_error(decoded.status());
   const Cloud& cloud = decoded->cloud;
   const bool shape_is_given = message.width() != 0 || message.height() != 0;
   if (shape_is_given && (message.width() != cloud.width || message.height() != cloud.height)) {

@@ -39,10 +39,12 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   app.get_formatter()->column_width(36);
   app.set_version_flag("--version", fmt::format("segserve {}", kVersion));
   app.add_option("--listen", server.listen, "Address: HOST:PORT, [IPv6]:PORT or unix:PATH; port 0 picks a free one")
+      ->type_name("ADDRESS")
       ->capture_default_str();
   app.add_flag("--insecure-beyond-loopback", server.insecure_beyond_loopback,
                "Serve plain text on an address that other machines can reach");
-  app.add_option("--port-file", flags.port_file, "Write the port to this file once the server is ready");
+  app.add_option("--port-file", flags.port_file, "Write the port to this file once the server is ready")
+      ->type_name("PATH");
   app.add_option("--workers", server.workers, "Calls computed at the same time; 0: one per CPU")->capture_default_str();
   app.add_option("--threads", server.threads, "Most threads within one call")->capture_default_str();
   app.add_option("--queue", server.queue, "Calls that may wait for a worker; one more is refused")
@@ -51,10 +53,12 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
       ->capture_default_str();
   app.add_option("--grace-period", grace_seconds, "Seconds that calls in flight have when the server stops")
-      ->capture_default_str()
-      ->check(CLI::Range(0.0, 86'400.0));
+      ->check(CLI::Range(0.0, 86'400.0))
+      ->type_name("SECONDS")
+      ->capture_default_str();
   app.add_option("--log-level", flags.log_level, "debug (one line a call), info, warn, error or off")
       ->transform(CLI::CheckedTransformer(kLogLevels, CLI::ignore_case).description(""))
+      ->type_name("LEVEL")
       ->default_str("info");
 
   try {
