@@ -21,7 +21,7 @@ struct RenderOptions {
   std::uint32_t width = 960;
   std::uint32_t height = 720;
   /// Share of the segment's colour, 0 to 1; the rest is the point's own.
-  float blend = 0.6F;
+  float blend = 0.7F;
   /// Thin dark lines between segments; organised clouds only.
   bool borders = true;
   /// 0x00RRGGBB, where there is no point.
