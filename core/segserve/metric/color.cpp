@@ -40,7 +40,8 @@ HuePair compare_hues(double h1, double h2, bool grey) {
   if (grey) return {0, h1 + h2};
   const double d = h2 - h1;
   const double sum = h1 + h2;
-  if (std::fabs(d) <= math::kPi) return {d, sum / 2};
+  // Opposite hues are pi apart up to rounding; the formula is discontinuous just beyond.
+  if (std::fabs(d) <= math::kPi + 1e-12) return {d, sum / 2};
   return {d > 0 ? d - 2 * math::kPi : d + 2 * math::kPi,
           sum < 2 * math::kPi ? sum / 2 + math::kPi : sum / 2 - math::kPi};
 }

@@ -29,7 +29,8 @@ Unification learn(const Options& options, std::span<const double> color, std::sp
 
 double geometric_term(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj) {
   const Vec3 c = unit(xi - xj);
-  return (norm(cross(ni, nj)) + std::fabs(dot(ni, c)) + std::fabs(dot(nj, c))) / 3;
+  // Bracketed so that delta_G(i, j) and delta_G(j, i) are the same bits.
+  return (norm(cross(ni, nj)) + (std::fabs(dot(ni, c)) + std::fabs(dot(nj, c)))) / 3;
 }
 
 bool is_convex(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj) {

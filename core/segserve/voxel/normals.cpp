@@ -24,7 +24,6 @@ struct Moments {
 
 /// The normal of the plane through points with these moments.
 Vec3 plane_normal(const Moments& m) {
-  if (m.count < 3) return {};
   Symmetric3 scatter = m.square;
   scatter += (-1 / m.count) * outer(m.sum);
   return smallest_eigenvector(scatter);
@@ -44,7 +43,8 @@ class TwoRingMoments {
   /// Moments about the voxel's own centroid, which keeps them exact far from the origin.
   Moments about(std::uint32_t v) const {
     const Vec3& origin = grid_.centroid[v];
-    Moments total = moved(ring_[v], v, origin);
+    Moments total = ring_[v];
+    total += ring_[v];
     total.count += 1;  // the voxel itself, at the origin
     for (const std::uint32_t u : adjacency_.of(v)) total += moved(ring_[u], u, origin);
     return total;

@@ -1,0 +1,144 @@
+#include "segserve/merge/merge.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "segserve/metric/paper_metric.hpp"
+
+namespace segserve {
+namespace {
+
+/// The paper's loop word by word: all weights anew, all edges searched, at every iteration.
+MergeTree merge_naively(const RegionGraph& graph, PaperMetric metric) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const auto& [a, b] : graph.edges) edges.emplace(a, b);
+  std::vector<std::uint32_t> points;
+  for (const Region& region : graph.regions) points.push_back(region.points);
+  TreeBuilder tree(points);
+  while (!edges.empty()) {
+    auto best = edges.begin();  // ascending ids, so the first of equal weights wins
+    double smallest = metric.dissimilarity(best->first, best->second);
+    for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
+      const double w = metric.dissimilarity(edge->first, edge->second);
+      if (w < smallest) smallest = w, best = edge;
+    }
+    const auto [p, q] = *best;
+    tree.merge(p, q, smallest);
+    metric.merge(p, q);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> renamed;
+    for (auto [a, b] : edges) {
+      if (a == q) a = p;
+      if (b == q) b = p;
+      if (a != b) renamed.insert(std::minmax(a, b));
+    }
+    edges = std::move(renamed);
+  }
+  tree.join_components();
+  return std::move(tree).finish();
+}
+
+/// Patches of few colours and directions on a coarse lattice, so that many weights are equal.
+RegionGraph random_graph(std::mt19937_64& random, std::uint32_t regions, double density) {
+  RegionGraph graph;
+  const auto pick = [&](int n) { return static_cast<double>(random() % static_cast<unsigned>(n)); };
+  for (std::uint32_t r = 0; r < regions; ++r) {
+    Region region;
+    region.voxels = 1 + pick(20);
+    region.points = static_cast<std::uint32_t>(1 + pick(50));
+    region.centroid = {0.05 * pick(6), 0.05 * pick(6), 1 + 0.05 * pick(3)};
+    const Vec3 normal = unit({pick(3) - 1, pick(3) - 1, -1});
+    region.normal_sum = region.voxels * normal;
+    if (region.voxels > 3) {  // smaller ones have no plane of their own
+      const Vec3 u = unit(cross(normal, {1, 0.5, 0})), v = cross(normal, u);
+      region.scatter = 1e-4 * region.voxels * outer(u);
+      region.scatter += 5e-5 * region.voxels * outer(v);
+    }
+    region.color_sum = region.points * Vec3{50 * pick(3), 50 * pick(3), 50 * pick(3)};
+    graph.regions.push_back(region);
+  }
+  for (std::uint32_t a = 0; a < regions; ++a) {
+    for (std::uint32_t b = a + 1; b < regions; ++b) {
+      if (static_cast<double>(random() % 1000) < 1000 * density) graph.edges.push_back({a, b});
+    }
+  }
+  return graph;
+}
+
+class MergeOracle : public testing::TestWithParam<Method> {};
+
+TEST_P(MergeOracle, TheFastLoopEqualsTheNaiveOneMergeByMerge) {
+  std::mt19937_64 random(7);
+  Options options;
+  options.method = GetParam();
+  for (const auto& [regions, density] : {std::pair{2U, 1.0}, {40U, 0.15}, {60U, 0.02}, {60U, 0.5}, {25U, 0.0}}) {
+    for (int trial = 0; trial < 4; ++trial) {
+      const RegionGraph graph = random_graph(random, regions, density);
+      PaperMetric metric(graph, View::camera(), options);
+      const MergeTree expected = merge_naively(graph, metric);
+      const absl::StatusOr<MergeTree> tree = merge_regions(graph.edges, metric);
+      ASSERT_TRUE(tree.ok());
+      EXPECT_TRUE(*tree == expected) << regions << " regions, density " << density << ", trial " << trial;
+      EXPECT_TRUE(check(*tree).ok()) << check(*tree);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AllMethods, MergeOracle, testing::ValuesIn(all_methods().begin(), all_methods().end()),
+                         [](const auto& param) {
+                           std::string name(segserve::name(param.param));
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+/// Weights by the smaller ids of the regions, never changed.
+struct TableMetric {
+  std::vector<std::vector<double>> weight;
+  std::size_t region_count() const { return weight.size(); }
+  std::uint32_t points(std::uint32_t r) const { return 10 * (r + 1); }
+  double dissimilarity(std::uint32_t a, std::uint32_t b) const { return weight[std::min(a, b)][std::max(a, b)]; }
+  void merge(std::uint32_t, std::uint32_t) {}
+};
+
+TEST(Merge, NumbersNodesAsSciPyAndTakesTheSmallerIdsFirst) {
+  TableMetric metric{{{0, .3, 0, 0}, {0, 0, .1, .3}, {0, 0, 0, .1}, {0, 0, 0, 0}}};
+  const std::vector<RegionEdge> edges{{0, 1}, {1, 2}, {1, 3}, {2, 3}};
+  const MergeTree tree = *merge_regions(std::span<const RegionEdge>(edges), metric);
+  EXPECT_EQ(tree.left, (std::vector<std::uint32_t>{1, 0, 3}));
+  EXPECT_EQ(tree.right, (std::vector<std::uint32_t>{2, 4, 5}));
+  EXPECT_EQ(tree.weight, (std::vector<double>{.1, .3, 0}));  // 0-3 never had a weight of its own: 0 in the table
+  EXPECT_EQ(tree.height, (std::vector<double>{.1, .3, .3}));
+  EXPECT_EQ(tree.leaves, (std::vector<std::uint32_t>{2, 3, 4}));
+  EXPECT_EQ(tree.points, (std::vector<std::uint32_t>{50, 60, 100}));
+}
+
+TEST(Merge, JoinsComponentsLastAndSmallestFirst) {
+  TableMetric metric{std::vector(4, std::vector<double>(4, 0.2))};
+  const std::vector<RegionEdge> edges{{0, 1}};
+  const MergeTree tree = *merge_regions(std::span<const RegionEdge>(edges), metric);
+  // Components of 30 (0 and 1), 30 (2) and 40 (3) points: the two of 30 first.
+  EXPECT_EQ(tree.kind, (std::vector{MergeKind::kMerged, MergeKind::kJoined, MergeKind::kJoined}));
+  EXPECT_EQ(tree.points, (std::vector<std::uint32_t>{30, 60, 100}));
+  EXPECT_EQ(tree.weight, (std::vector<double>{0.2, 1, 1}));
+  EXPECT_EQ(tree.left, (std::vector<std::uint32_t>{0, 2, 3}));
+  EXPECT_EQ(tree.right, (std::vector<std::uint32_t>{1, 4, 5}));
+}
+
+TEST(Merge, OfNothingIsAnEmptyTree) {
+  TableMetric metric;
+  const MergeTree tree = *merge_regions(std::span<const RegionEdge>(), metric);
+  EXPECT_EQ(tree.leaf_count(), 0U);
+  EXPECT_EQ(tree.row_count(), 0U);
+}
+
+TEST(Merge, StopsWhenAsked) {
+  TableMetric metric{std::vector(4, std::vector<double>(4, 0.2))};
+  const std::vector<RegionEdge> edges{{0, 1}};
+  const std::atomic<bool> cancelled = true;
+  EXPECT_EQ(merge_regions(std::span<const RegionEdge>(edges), metric, StopToken(&cancelled)).status().code(),
+            absl::StatusCode::kCancelled);
+}
+
+}  // namespace
+}  // namespace segserve
