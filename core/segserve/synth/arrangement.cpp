@@ -23,8 +23,8 @@ bool apart(const Rectangle& a, const Rectangle& b, double gap) {
   const Vec3 between = b.center - a.center;
   for (const Vec3& edge : std::array<Vec3, 4>{a.x, a.y, b.x, b.y}) {
     const Vec3 axis = unit(edge);
-    const double reach = std::abs(dot(axis, a.x)) + std::abs(dot(axis, a.y)) + std::abs(dot(axis, b.x)) +
-                         std::abs(dot(axis, b.y));
+    const double reach =
+        std::abs(dot(axis, a.x)) + std::abs(dot(axis, a.y)) + std::abs(dot(axis, b.x)) + std::abs(dot(axis, b.y));
     if (std::abs(dot(axis, between)) > reach + gap) return true;
   }
   return false;
@@ -37,7 +37,7 @@ struct Base {
 };
 
 constexpr int kTriesPerObject = 40;
-constexpr int kModels = 12;       // objects that are tried before a place is given up
+constexpr int kModels = 12;  // objects that are tried before a place is given up
 constexpr double kStackGap = 0.004;
 
 class Putter {
@@ -88,7 +88,7 @@ class Putter {
   bool place(const Household& object, const Pose& pose, double gap, std::uint32_t label) {
     const double turns = math::atan2(pose.x.y, pose.x.x) / (2 * kPi);
     const double bottom = pose.origin.z;
-    const Footprint footprint{pose.origin.x, pose.origin.y,          turns, object.half_x, object.half_y,
+    const Footprint footprint{pose.origin.x, pose.origin.y,         turns, object.half_x, object.half_y,
                               bottom,        bottom + object.height};
     if (footprint.top > shelf_.pose.origin.z + shelf_.clearance || !arrangement_.free(footprint, gap)) return false;
     arrangement_.occupy(footprint);

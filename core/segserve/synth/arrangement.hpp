@@ -30,15 +30,15 @@ class Arrangement {
 
 /// An area of a support on which objects can be put: an upright rectangle's ground.
 struct Shelf {
-  Pose pose;                  ///< its centre; x and y span it, z points up
-  double half_x, half_y;      ///< metres; objects stay within
-  double clearance = 1e30;    ///< free height above it, metres
+  Pose pose;                ///< its centre; x and y span it, z points up
+  double half_x, half_y;    ///< metres; objects stay within
+  double clearance = 1e30;  ///< free height above it, metres
 };
 
 /// How objects are put.
 struct Habits {
-  double gap = 0.02;       ///< least distance between things, metres
-  double stacked = 0;      ///< share of the objects that are put on others
+  double gap = 0.02;   ///< least distance between things, metres
+  double stacked = 0;  ///< share of the objects that are put on others
 };
 
 /// Puts up to `count` random objects on the shelf (or on one another), none intersecting anything,

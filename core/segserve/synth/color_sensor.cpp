@@ -10,9 +10,7 @@ namespace {
 std::uint8_t level(double value) { return static_cast<std::uint8_t>(std::clamp(255 * value + 0.5, 0.0, 255.0)); }
 
 // (1 2 1) / 4 along a line of pixels.
-Vec3 soft(const Vec3& before, const Vec3& here, const Vec3& after) {
-  return 0.25 * (before + after) + 0.5 * here;
-}
+Vec3 soft(const Vec3& before, const Vec3& here, const Vec3& after) { return 0.25 * (before + after) + 0.5 * here; }
 
 std::vector<Vec3> blurred(std::uint32_t width, std::uint32_t height, const std::vector<Vec3>& color) {
   std::vector<Vec3> rows(color.size());

@@ -65,9 +65,7 @@ class ProjectorShadow {
     const double z = image_.depth[first_ + u];
     return z > 0 ? std::min(scale_ / z, static_cast<double>(image_.width)) : 0;
   }
-  std::size_t column(std::uint32_t u) const {
-    return static_cast<std::size_t>(u + image_.width + 0.5 - disparity(u));
-  }
+  std::size_t column(std::uint32_t u) const { return static_cast<std::size_t>(u + image_.width + 0.5 - disparity(u)); }
 
   const DepthImage& image_;
   double scale_;
@@ -136,7 +134,7 @@ class CorrelatedNoise {
   }
 
  private:
-  static constexpr std::uint32_t kCell = 5;  // pixels
+  static constexpr std::uint32_t kCell = 5;                                 // pixels
   static constexpr double kBlend[kCell] = {0, 0.104, 0.352, 0.648, 0.896};  // smoothstep
   std::uint32_t across_;
   std::vector<double> value_;

@@ -32,9 +32,15 @@ Texture wooden(Random& random) {
 Household carton(double a, double b, double c, const Texture& texture, Random& random) {
   std::array<double, 3> half{a, b, c};
   switch (random.below(3)) {
-    case 0: half = {a, b, c}; break;  // flat
-    case 1: half = {b, c, a}; break;  // upright
-    default: half = {a, c, b}; break; // on its long side
+    case 0:
+      half = {a, b, c};
+      break;  // flat
+    case 1:
+      half = {b, c, a};
+      break;  // upright
+    default:
+      half = {a, c, b};
+      break;  // on its long side
   }
   const auto [x, y, z] = half;
   return {{{box(x, y, z), at({0, 0, z}), texture}}, x, y, 2 * z, x, y};
@@ -216,8 +222,8 @@ Household random_household(Random& random) {
   using Maker = Household (*)(Random&);
   // Boxes and cans twice or more: they are what tables and data sets are full of.
   static constexpr std::array<Maker, 22> kMakers{
-      cereal_box, cereal_box, cereal_box, small_carton, small_carton, book,      wooden_block, can,
-      can,        tin,        bottle,     bottle,       mug,          mug,       bowl,         ball,
+      cereal_box, cereal_box, cereal_box, small_carton, small_carton, book,       wooden_block, can,
+      can,        tin,        bottle,     bottle,       mug,          mug,        bowl,         ball,
       fruit,      flowerpot,  cone,       tape_roll,    pan,          candlestick};
   const std::uint32_t choice = random.below(kMakers.size() + 1);
   return choice < kMakers.size() ? kMakers[choice](random) : pole(random);

@@ -5,8 +5,8 @@
 
 namespace segserve::synth {
 namespace {
-constexpr std::uint32_t kMapSize = 384;   // pixels
-constexpr int kSoftness = 3;              // pixels around, of the neighbourhood that is compared
+constexpr std::uint32_t kMapSize = 384;  // pixels
+constexpr int kSoftness = 3;             // pixels around, of the neighbourhood that is compared
 }  // namespace
 
 ShadowMap::ShadowMap(const World& world, const Vec3& from, const Vec3& to, double radius)
@@ -19,7 +19,9 @@ ShadowMap::ShadowMap(const World& world, const Vec3& from, const Vec3& to, doubl
 }
 
 double ShadowMap::lit(const Vec3& point, const Vec3& normal) const {
-  const Vec3 p = camera_.pose.point_in(point + 0.006 * normal);
+  // A texel covers a patch of the surface: moved outwards by more than that, it does not shade itself.
+  const double distance = camera_.pose.point_in(point).z;
+  const Vec3 p = camera_.pose.point_in(point + (1.6 * distance / camera_.focal) * normal);
   if (p.z <= 0) return 1;
   const double u = camera_.center_u + camera_.focal * p.x / p.z;
   const double v = camera_.center_v + camera_.focal * p.y / p.z;
@@ -27,7 +29,7 @@ double ShadowMap::lit(const Vec3& point, const Vec3& normal) const {
   if (!(u > kSoftness && v > kSoftness && u < kLast && v < kLast)) return 1;
   const auto i = static_cast<int>(u);
   const auto j = static_cast<int>(v);
-  const auto depth = static_cast<float>(p.z - 0.004);
+  const auto depth = static_cast<float>(p.z * (1 - 0.6 / camera_.focal));
   const double fu = u - i;
   const double fv = v - j;
   // A box filter whose border texels count by how much the box covers them: smooth, without steps.

@@ -1,4 +1,4 @@
-#include <cmath>
+#include <iterator>
 #include <string>
 #include <string_view>
 
@@ -38,8 +38,8 @@ absl::Status check(const SceneOptions& options) {
 
 absl::Status check(const RoomOptions& options) {
   Violations violations;
-  violations.require("points", options.points, 1000, 50e6);
-  violations.require("size", options.size, 0.5, 10);
+  violations.require("points", options.points, 1000, 20e6);
+  violations.require("size", options.size, 0.7, 10);
   violations.require("objects", options.objects, 0, 60);
   violations.require("noise", options.noise, 0, 10);
   return violations.status();

@@ -7,8 +7,8 @@
 namespace segserve::synth {
 namespace {
 
-constexpr std::uint32_t kTile = 16;      // pixels
-constexpr double kNearest = 1e-3;        // metres; nothing is seen closer than this
+constexpr std::uint32_t kTile = 16;  // pixels
+constexpr double kNearest = 1e-3;    // metres; nothing is seen closer than this
 
 struct Interval {
   double low, high;

@@ -27,11 +27,12 @@ struct SceneOptions {
 
 /// A room seen from many virtual views all around it, fused into one surface as KinectFusion does.
 struct RoomOptions {
-  std::uint64_t seed = 1;         ///< everything that is random follows from it
-  std::uint32_t points = 400000;  ///< exactly so many points, 1000 to 50 million; the spacing follows from it
-  double size = 1.0;              ///< edge of the room over its usual 4.4 m x 3.6 m, [0.5, 10]; furniture grows with the floor
-  std::uint32_t objects = 16;     ///< small objects on tables and shelves per usual room (size 1), 0 to 60
-  double noise = 1.0;             ///< times the noise of a Kinect v1 in each view, [0, 10]; 0: perfect
+  std::uint64_t seed = 1;  ///< everything that is random follows from it
+  std::uint32_t points =
+      600000;                  ///< exactly so many, 1000 to 20 million; about 7 mm * size * sqrt(600000 / points) apart
+  double size = 1.0;           ///< times the edges of the usual room, 3.3 m x 2.8 m, [0.7, 10]; furniture is as dense
+  std::uint32_t objects = 16;  ///< small objects on tables and shelves per 9.2 m^2 of floor (size 1), 0 to 60
+  double noise = 1.0;          ///< times the noise of a Kinect v1 in each view, [0, 10]; 0: perfect
 };
 
 /// Label of a point: 0 no finite point; 1 the table's top or the floor; 2..9 other support (walls, ..);
@@ -46,8 +47,9 @@ struct SyntheticScene {
 /// kept. INVALID_ARGUMENT naming every option out of its range.
 absl::StatusOr<SyntheticScene> make_tabletop(const SceneOptions& options);
 
-/// Unorganised cloud in metres, z up, floor at z = 0; WORLD view without a sensor position, as no
-/// single one sees a room. INVALID_ARGUMENT naming every option out of its range.
+/// Unorganised cloud in metres, z up, floor at z = 0, the room's centre at x = y = 0; WORLD view with
+/// the sensor at the mean position of the virtual cameras. Every point is finite. Time and memory
+/// are proportional to the points. INVALID_ARGUMENT naming every option out of its range.
 absl::StatusOr<SyntheticScene> make_fused_room(const RoomOptions& options);
 
 /// OK, or INVALID_ARGUMENT naming every option out of its range.

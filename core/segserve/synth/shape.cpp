@@ -148,10 +148,14 @@ Surface wrapped_surface(const Vec3& normal, const Vec3& p, double radius, double
 Surface round_surface(const Shape& s, const Vec3& p, int face) {
   const double k = (s.b - s.a) / s.c;
   switch (face) {
-    case kBottom: return flat_surface(p, s.a, -1, face);
-    case kTop: return flat_surface(p, s.b, 1, face);
-    case kInnerFloor: return flat_surface(p, s.b, 1, face);
-    default: break;
+    case kBottom:
+      return flat_surface(p, s.a, -1, face);
+    case kTop:
+      return flat_surface(p, s.b, 1, face);
+    case kInnerFloor:
+      return flat_surface(p, s.b, 1, face);
+    default:
+      break;
   }
   const double radius = std::sqrt(p.x * p.x + p.y * p.y);
   const Vec3 outwards{p.x, p.y, -k * radius};
@@ -163,19 +167,24 @@ Surface round_surface(const Shape& s, const Vec3& p, int face) {
 bool intersect(const Shape& shape, const Vec3& origin, const Vec3& direction, double t_min, Crossing& hit) {
   const Ray ray{origin, direction, t_min};
   switch (shape.kind) {
-    case ShapeKind::kBox: return box(shape, ray, hit);
-    case ShapeKind::kEllipsoid: return ellipsoid(shape, ray, hit);
-    case ShapeKind::kBowl: return bowl(shape, ray, hit);
+    case ShapeKind::kBox:
+      return box(shape, ray, hit);
+    case ShapeKind::kEllipsoid:
+      return ellipsoid(shape, ray, hit);
+    case ShapeKind::kBowl:
+      return bowl(shape, ray, hit);
     case ShapeKind::kFrustum:
     case ShapeKind::kCup:
-    case ShapeKind::kTube: return round(shape, ray, hit);
+    case ShapeKind::kTube:
+      return round(shape, ray, hit);
   }
   return false;
 }
 
 Surface surface_at(const Shape& shape, const Vec3& point, int face) {
   switch (shape.kind) {
-    case ShapeKind::kBox: return box_surface(shape, point, face);
+    case ShapeKind::kBox:
+      return box_surface(shape, point, face);
     case ShapeKind::kEllipsoid: {
       const Vec3 normal{point.x / (shape.a * shape.a), point.y / (shape.b * shape.b), point.z / (shape.c * shape.c)};
       return wrapped_surface(normal, point + Vec3{0, 0, shape.c}, shape.a, 2 * shape.c, face);
@@ -187,16 +196,20 @@ Surface surface_at(const Shape& shape, const Vec3& point, int face) {
     }
     case ShapeKind::kFrustum:
     case ShapeKind::kCup:
-    case ShapeKind::kTube: return round_surface(shape, point, face);
+    case ShapeKind::kTube:
+      return round_surface(shape, point, face);
   }
   return {};
 }
 
 Sphere bounding_sphere(const Shape& shape) {
   switch (shape.kind) {
-    case ShapeKind::kBox: return {{}, norm({shape.a, shape.b, shape.c})};
-    case ShapeKind::kEllipsoid: return {{}, std::max({shape.a, shape.b, shape.c})};
-    case ShapeKind::kBowl: return {{0, 0, shape.a}, shape.a};
+    case ShapeKind::kBox:
+      return {{}, norm({shape.a, shape.b, shape.c})};
+    case ShapeKind::kEllipsoid:
+      return {{}, std::max({shape.a, shape.b, shape.c})};
+    case ShapeKind::kBowl:
+      return {{0, 0, shape.a}, shape.a};
     case ShapeKind::kFrustum:
     case ShapeKind::kCup:
     case ShapeKind::kTube: {

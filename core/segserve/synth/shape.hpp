@@ -27,10 +27,10 @@ struct Crossing {
 
 /// What a texture and a light need to know about a point of the surface.
 struct Surface {
-  Vec3 normal;             ///< unit, outwards, in the shape's frame
-  double u = 0, v = 0;     ///< position on the patch, metres
-  double width = 1;        ///< extent of the patch along u, metres
-  double height = 1;       ///< and along v
+  Vec3 normal;          ///< unit, outwards, in the shape's frame
+  double u = 0, v = 0;  ///< position on the patch, metres
+  double width = 1;     ///< extent of the patch along u, metres
+  double height = 1;    ///< and along v
   int face = 0;
 };
 

@@ -40,27 +40,34 @@ void add_table(double half_x, double near, double far, Random& random, World& wo
   }
 }
 
-// Floor, walls and a cabinet at the far end; the camera is inside.
-void add_room(double half_x, double far, const Vec3& camera, Random& random, World& world) {
-  const double floor = -kTableHeight;
-  const double ceiling = std::max(2.0, camera.z + 0.5);
-  const double left = -2.2 - random.uniform(0, 0.5), right = half_x + random.uniform(0.03, 0.4);
-  const double back = far + random.uniform(0.7, 1.2), front = std::min(-2.5, camera.y - 0.8);
+// A closed room around table and camera: whatever the camera's angle, every ray ends somewhere.
+// Its slabs overlap at the edges.
+void add_shell(const Vec3& low, const Vec3& high, Random& random, World& world) {
   const Vec3 parquet{0.42, 0.29, 0.19};
   const double tint = random.uniform(0.72, 0.9);
   const Vec3 paint{tint, tint, tint * random.uniform(0.9, 1.02)};
   const Texture walls = surface(TextureKind::kPlain, paint, {}, 0.02, false, random);
+  const Texture boards = surface(TextureKind::kWood, 1.2 * parquet, 0.8 * parquet, 0.05, true, random);
   const double t = 0.1;
-  world.push_back(slab({left, front, floor - t}, {right, back, floor},
-                       surface(TextureKind::kWood, 1.2 * parquet, 0.8 * parquet, 0.05, true, random), kFloor));
-  world.push_back(slab({left, back, floor}, {right, back + t, ceiling}, walls, kBackWall));
-  world.push_back(slab({right, front, floor}, {right + t, back, ceiling}, walls, kSideWall));
-  world.push_back(slab({left - t, front, floor}, {left, back, ceiling}, walls, kOtherWall));
-  const double width = random.uniform(0.5, 0.9), cabinet_left = random.uniform(-half_x - 0.3, half_x - 0.9);
-  const Texture front_panel = surface(TextureKind::kStripes, {0.62, 0.62, 0.64}, {0.5, 0.5, 0.53},
-                                      random.uniform(0.15, 0.3), false, random);
-  world.push_back(slab({cabinet_left, back - 0.5, floor}, {cabinet_left + width, back - 0.001, random.uniform(-0.1, 0.5)},
-                       front_panel, kCabinet));
+  const Vec3 outer_low = low - Vec3{t, t, t}, outer_high = high + Vec3{t, t, t};
+  world.push_back(slab(outer_low, {outer_high.x, outer_high.y, low.z}, boards, kFloor));
+  world.push_back(slab({outer_low.x, high.y, outer_low.z}, outer_high, walls, kBackWall));
+  world.push_back(slab({high.x, outer_low.y, outer_low.z}, outer_high, walls, kSideWall));
+  world.push_back(slab(outer_low, {low.x, outer_high.y, outer_high.z}, walls, kOtherWall));
+  world.push_back(slab(outer_low, {outer_high.x, low.y, outer_high.z}, walls, kOtherWall));
+  world.push_back(slab({outer_low.x, outer_low.y, high.z}, outer_high, walls, kOtherWall));
+}
+
+void add_room(double half_x, double far, const Vec3& camera, Random& random, World& world) {
+  const double left = -2.2 - random.uniform(0, 0.5), right = std::max(half_x, camera.x) + random.uniform(0.1, 0.45);
+  const double back = far + random.uniform(0.7, 1.2), front = std::min(-2.5, camera.y - 0.8);
+  const double floor = -kTableHeight, ceiling = std::max(2.0, camera.z + 0.5);
+  add_shell({left, front, floor}, {right, back, ceiling}, random, world);
+  const double width = random.uniform(0.5, 0.9), cabinet = random.uniform(-half_x - 0.3, half_x - 0.9);
+  const double height = random.uniform(-0.1, 0.5);
+  const Texture drawers =
+      surface(TextureKind::kStripes, {0.62, 0.62, 0.64}, {0.5, 0.5, 0.53}, random.uniform(0.15, 0.3), false, random);
+  world.push_back(slab({cabinet, back - 0.5, floor}, {cabinet + width, back - 0.001, height}, drawers, kCabinet));
 }
 
 Camera place_camera(const SceneOptions& options, Random& random) {
@@ -81,7 +88,8 @@ TableScene arrange_table(const SceneOptions& options) {
   Random random(options.seed);
   TableScene scene;
   scene.camera = place_camera(options, random);
-  const double half_x = random.uniform(0.5, 0.62), near = -random.uniform(0.5, 0.6), far = random.uniform(0.6, 1.0);
+  const double half_x = random.uniform(0.5, 0.62), near = -random.uniform(0.62, 0.75) * std::max(1.0, options.distance),
+               far = random.uniform(0.6, 1.0);
   add_table(half_x, near, far, random, scene.world);
   add_room(half_x, far, scene.camera.pose.origin, random, scene.world);
 

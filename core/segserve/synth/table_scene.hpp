@@ -8,7 +8,14 @@
 namespace segserve::synth {
 
 /// Labels of what supports or surrounds the objects.
-enum SupportLabel : std::uint32_t { kTable = 1, kFloor = 2, kBackWall = 3, kSideWall = 4, kOtherWall = 5, kCabinet = 6 };
+enum SupportLabel : std::uint32_t {
+  kTable = 1,
+  kFloor = 2,
+  kBackWall = 3,
+  kSideWall = 4,
+  kOtherWall = 5,
+  kCabinet = 6
+};
 
 /// A table with objects on it, in a room; z = 0 is the table's top.
 struct TableScene {

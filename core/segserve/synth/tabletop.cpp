@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 #include "segserve/synth/color_sensor.hpp"
 #include "segserve/synth/depth_sensor.hpp"
@@ -16,10 +18,18 @@ struct Picture {
   std::vector<Vec3> color;
 };
 
+// The lamp may be beyond a wall: walls are transparent to it.
+World what_casts_shadows(const World& world) {
+  World result;
+  std::copy_if(world.begin(), world.end(), std::back_inserter(result),
+               [](const Solid& solid) { return solid.label == kTable || solid.label >= 10; });
+  return result;
+}
+
 Picture render(const TableScene& scene) {
   const Camera& camera = scene.camera;
   const RayCaster caster(scene.world, camera);
-  const ShadowMap shadow(scene.world, 2.5 * scene.lighting.lamp, {0, 0, 0}, 0.75);
+  const ShadowMap shadow(what_casts_shadows(scene.world), 2.5 * scene.lighting.lamp, {0, 0, 0}, 0.75);
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   Picture picture;
   picture.depth = {camera.width, camera.height, std::vector<double>(pixels), std::vector<float>(pixels),
@@ -89,8 +99,8 @@ absl::StatusOr<SyntheticScene> make_tabletop(const SceneOptions& options) {
 
   DepthImage& depth = picture.depth;
   if (!options.all_finite) remove_room(depth);
-  const DepthSensor sensor{.focal = table.camera.focal, .noise = options.noise,
-                           .holes = options.holes && !options.all_finite};
+  const DepthSensor sensor{
+      .focal = table.camera.focal, .noise = options.noise, .holes = options.holes && !options.all_finite};
   sensor.measure(depth, random);
   constexpr std::uint32_t kSpeckPixels = 16;
   label_visible_parts(options.width, options.height, kSpeckPixels, depth.label);

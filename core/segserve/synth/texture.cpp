@@ -58,15 +58,20 @@ bool odd(double value) { return static_cast<std::int64_t>(std::floor(value)) % 2
 Vec3 pattern(const Texture& t, const Surface& s) {
   const double along = t.across ? s.u : s.v;
   switch (t.kind) {
-    case TextureKind::kPlain: return t.base;
-    case TextureKind::kStripes: return odd(along / t.scale) ? t.second : t.base;
-    case TextureKind::kChecks: return odd(s.u / t.scale) != odd(s.v / t.scale) ? t.second : t.base;
+    case TextureKind::kPlain:
+      return t.base;
+    case TextureKind::kStripes:
+      return odd(along / t.scale) ? t.second : t.base;
+    case TextureKind::kChecks:
+      return odd(s.u / t.scale) != odd(s.v / t.scale) ? t.second : t.base;
     case TextureKind::kSpeckle: {
       const double n = value_noise(s.u / (0.35 * t.scale), s.v / (0.35 * t.scale), t.seed);
       return lerp(t.base, n > 0.72 ? t.second : t.third, std::clamp(5 * std::abs(n - 0.62) - 0.4, 0.0, 1.0));
     }
-    case TextureKind::kWood: return wood(t, s.u, s.v);
-    case TextureKind::kPrint: return print(t, s);
+    case TextureKind::kWood:
+      return wood(t, s.u, s.v);
+    case TextureKind::kPrint:
+      return print(t, s);
   }
   return t.base;
 }
@@ -88,10 +93,24 @@ Vec3 color_at(const Texture& texture, const Surface& surface) {
 
 Vec3 random_color(Random& random) {
   static constexpr std::array<Vec3, 18> kPalette{{
-      {0.78, 0.13, 0.12}, {0.86, 0.46, 0.11}, {0.90, 0.76, 0.22}, {0.23, 0.50, 0.22}, {0.55, 0.68, 0.28},
-      {0.12, 0.32, 0.62}, {0.33, 0.60, 0.80}, {0.18, 0.20, 0.40}, {0.45, 0.20, 0.46}, {0.84, 0.52, 0.58},
-      {0.90, 0.89, 0.86}, {0.84, 0.80, 0.68}, {0.62, 0.62, 0.62}, {0.24, 0.24, 0.26}, {0.45, 0.29, 0.17},
-      {0.72, 0.55, 0.37}, {0.16, 0.45, 0.44}, {0.55, 0.10, 0.17},
+      {0.78, 0.13, 0.12},
+      {0.86, 0.46, 0.11},
+      {0.90, 0.76, 0.22},
+      {0.23, 0.50, 0.22},
+      {0.55, 0.68, 0.28},
+      {0.12, 0.32, 0.62},
+      {0.33, 0.60, 0.80},
+      {0.18, 0.20, 0.40},
+      {0.45, 0.20, 0.46},
+      {0.84, 0.52, 0.58},
+      {0.90, 0.89, 0.86},
+      {0.84, 0.80, 0.68},
+      {0.62, 0.62, 0.62},
+      {0.24, 0.24, 0.26},
+      {0.45, 0.29, 0.17},
+      {0.72, 0.55, 0.37},
+      {0.16, 0.45, 0.44},
+      {0.55, 0.10, 0.17},
   }};
   const Vec3& color = kPalette[random.below(kPalette.size())];
   const double light = random.uniform(-0.06, 0.06);
@@ -113,9 +132,9 @@ Texture random_texture(TextureKind kind, Random& random) {
 }
 
 Texture random_texture(Random& random) {
-  static constexpr std::array<TextureKind, 8> kKinds{
-      TextureKind::kPlain,  TextureKind::kPlain, TextureKind::kStripes, TextureKind::kChecks,
-      TextureKind::kSpeckle, TextureKind::kPrint, TextureKind::kPrint,   TextureKind::kPlain};
+  static constexpr std::array<TextureKind, 8> kKinds{TextureKind::kPlain,  TextureKind::kPlain,   TextureKind::kStripes,
+                                                     TextureKind::kChecks, TextureKind::kSpeckle, TextureKind::kPrint,
+                                                     TextureKind::kPrint,  TextureKind::kPlain};
   return random_texture(kKinds[random.below(kKinds.size())], random);
 }
 

@@ -14,15 +14,15 @@ enum class TextureKind {
   kChecks,
   kSpeckle,  ///< stone, cork, patterned porcelain
   kWood,
-  kPrint,    ///< a printed package: bands, a picture, a title, lines of text
+  kPrint,  ///< a printed package: bands, a picture, a title, lines of text
 };
 
 /// A procedural colour of surfaces. Colours are sRGB, 0 to 1 a channel (x red, y green, z blue).
 struct Texture {
   TextureKind kind = TextureKind::kPlain;
   Vec3 base{}, second{}, third{};
-  double scale = 0.02;    ///< metres: width of stripes, checks, grain
-  bool across = false;    ///< stripes and grain run along v instead of u
+  double scale = 0.02;  ///< metres: width of stripes, checks, grain
+  bool across = false;  ///< stripes and grain run along v instead of u
   std::uint64_t seed = 0;
 };
 

@@ -31,8 +31,8 @@ inline double value_noise(double u, double v, std::uint64_t seed) {
 
 /// Three octaves of it.
 inline double fractal_noise(double u, double v, std::uint64_t seed) {
-  return (4 * value_noise(u, v, seed) + 2 * value_noise(2 * u, 2 * v, seed + 1) +
-          value_noise(4 * u, 4 * v, seed + 2)) / 7;
+  return (4 * value_noise(u, v, seed) + 2 * value_noise(2 * u, 2 * v, seed + 1) + value_noise(4 * u, 4 * v, seed + 2)) /
+         7;
 }
 
 }  // namespace segserve::synth
