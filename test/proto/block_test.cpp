@@ -1,0 +1,75 @@
+#include "segserve/wire/block.hpp"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "segserve/wire/status.hpp"
+
+namespace segserve::wire {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string error_of(const v1alpha1::Block& block, std::uint64_t expected) {
+  std::string buffer;
+  const auto bytes = block_bytes(block, expected, "the.block", buffer);
+  EXPECT_EQ(details_of(bytes.status()).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+  return std::string(bytes.status().message());
+}
+
+TEST(Block, KeepsItsBytesInEveryCompression) {
+  const std::string bytes = std::string(1000, 'a') + std::string("\0b", 2);
+  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+    const auto block = to_block(bytes, compression);
+    ASSERT_TRUE(block.ok());
+    EXPECT_EQ(block->compression(), compression);
+    EXPECT_EQ(block->decoded_bytes(), bytes.size());
+    std::string buffer;
+    EXPECT_EQ(block_bytes(*block, bytes.size(), "block", buffer).value(), bytes);
+  }
+}
+
+TEST(Block, ZstdMakesRepetitionSmall) {
+  EXPECT_LT(to_block(std::string(10'000, 'a'), v1alpha1::COMPRESSION_ZSTD)->data().size(), 100U);
+}
+
+TEST(Block, WithoutCompressionNeedNotSayItsSize) {
+  v1alpha1::Block block;
+  block.set_data("abc");
+  std::string buffer;
+  EXPECT_EQ(block_bytes(block, 3, "block", buffer).value(), "abc");
+}
+
+TEST(Block, RefusesAnotherSizeThanExpected) {
+  v1alpha1::Block block;
+  block.set_data("abc");
+  EXPECT_THAT(error_of(block, 4), AllOf(HasSubstr("the.block"), HasSubstr("has 3 bytes"), HasSubstr("4")));
+  block.set_decoded_bytes(5);
+  EXPECT_THAT(error_of(block, 3), HasSubstr("claims 5 bytes"));
+}
+
+TEST(Block, RefusesUnknownCompressionByNumber) {
+  v1alpha1::Block block;
+  block.set_compression(static_cast<v1alpha1::Compression>(77));
+  EXPECT_THAT(error_of(block, 0), HasSubstr("77"));
+}
+
+TEST(Block, RefusesWhatIsNoZstd) {
+  v1alpha1::Block block;
+  block.set_compression(v1alpha1::COMPRESSION_ZSTD);
+  block.set_decoded_bytes(8);
+  block.set_data("no zstd");
+  EXPECT_THAT(error_of(block, 8), HasSubstr("the.block"));
+}
+
+TEST(Block, RefusesZstdThatLiesAboutItsSize) {
+  v1alpha1::Block block = to_block(std::string(1000, 'a'), v1alpha1::COMPRESSION_ZSTD).value();
+  block.set_decoded_bytes(10);
+  error_of(block, 10);
+  block.set_decoded_bytes(std::uint64_t{1} << 40U);
+  EXPECT_THAT(error_of(block, 1000), HasSubstr("claims 1099511627776 bytes"));
+}
+
+}  // namespace
+}  // namespace segserve::wire

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/tree/merge_tree.hpp"
+
+namespace segserve::wire {
+
+/// Six points in two rows, one of them not finite, all of different colours.
+inline Cloud small_cloud() {
+  Cloud cloud;
+  cloud.x = {0.0F, 0.1F, 0.2F, -0.0F, 1e-30F, NAN};
+  cloud.y = {1.0F, 1.1F, 1.2F, 1.3F, 1.4F, 1.5F};
+  cloud.z = {2.0F, 2.1F, 2.2F, 2.3F, 2.4F, 2.5F};
+  cloud.rgb = {0x000000, 0xff0000, 0x00ff00, 0x0000ff, 0x123456, 0xffffff};
+  cloud.width = 3;
+  cloud.height = 2;
+  cloud.view = View::camera();
+  return cloud;
+}
+
+/// Three supervoxels: 1 and 2 merged by an edge, then joined with 3.
+inline MergeTree small_tree() {
+  return {.leaf_points = {2, 2, 1},
+          .left = {0, 2},
+          .right = {1, 3},
+          .weight = {0.25, 1.0},
+          .height = {0.25, 1.0},
+          .leaves = {2, 3},
+          .points = {4, 5},
+          .kind = {MergeKind::kMerged, MergeKind::kJoined}};
+}
+
+}  // namespace segserve::wire

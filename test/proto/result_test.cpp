@@ -1,0 +1,114 @@
+#include "segserve/wire/result.hpp"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "segserve/wire/status.hpp"
+#include "test/proto/examples.hpp"
+
+namespace segserve::wire {
+namespace {
+
+constexpr Outputs kEverything{.labels = true, .supervoxels = true, .tree = true};
+
+/// Six points, the last not finite; two segments of three supervoxels (see small_tree).
+Result small_result() {
+  Result result;
+  result.segmentation.labels = {1, 1, 1, 1, 2, 0};
+  result.segmentation.supervoxels = {1, 1, 2, 2, 3, 0};
+  result.segmentation.tree = small_tree();
+  result.segmentation.segments = 2;
+  result.segmentation.finite_points = 5;
+  result.segmentation.voxels = 4;
+  result.segmentation.threshold = 0.5;
+  result.segmentation.lambda = 0.25;
+  result.segmentation.timings = {.voxels = 1, .normals = 2, .supervoxels = 3, .graph = 4, .merging = 5, .labels = 6};
+  result.points = 6;
+  result.supervoxels = 3;
+  result.method = Method::kColor;
+  result.threshold = 0.5;
+  result.view = View::world(1, 2, 3);
+  result.view_rule = "because";
+  result.timings = {.queue = 7, .decode = 8};
+  result.server_version = "1.2.3";
+  result.options_hash = "0123456789abcdef";
+  return result;
+}
+
+std::string refusal(const v1alpha1::SegmentationResult& message, std::size_t points = 6) {
+  const absl::Status status = from_message(message, points).status();
+  EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  return std::string(status.message());
+}
+
+v1alpha1::SegmentationResult small_message() { return to_message(small_result(), kEverything).value(); }
+
+TEST(WireResult, RoundTrips) {
+  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+    Outputs outputs = kEverything;
+    outputs.compression = compression;
+    v1alpha1::SegmentationResult message = to_message(small_result(), outputs).value();
+    set_final_timings(message, 9, 45);
+    const auto read = from_message(message, 6);
+    ASSERT_TRUE(read.ok()) << read.status();
+    const Result expected = small_result();
+    EXPECT_EQ(read->segmentation.labels, expected.segmentation.labels);
+    EXPECT_EQ(read->segmentation.supervoxels, expected.segmentation.supervoxels);
+    EXPECT_EQ(read->segmentation.tree, expected.segmentation.tree);
+    EXPECT_EQ(read->segmentation.segments, 2U);
+    EXPECT_EQ(read->segmentation.finite_points, 5U);
+    EXPECT_EQ(read->segmentation.voxels, 4U);
+    EXPECT_EQ(read->segmentation.lambda, 0.25);
+    EXPECT_EQ(read->segmentation.timings.merging, 5);
+    EXPECT_EQ(read->segmentation.timings.total, 21) << "of the stages";
+    EXPECT_EQ(read->supervoxels, 3U);
+    EXPECT_EQ(read->method, Method::kColor);
+    EXPECT_EQ(read->threshold, 0.5);
+    EXPECT_EQ(read->regions, std::nullopt);
+    EXPECT_EQ(read->view, expected.view);
+    EXPECT_EQ(read->view_rule, "because");
+    EXPECT_EQ(read->timings.queue, 7);
+    EXPECT_EQ(read->timings.total, 45);
+    EXPECT_EQ(read->server_version, "1.2.3");
+    EXPECT_EQ(read->options_hash, "0123456789abcdef");
+  }
+}
+
+TEST(WireResult, HoldsOnlyWhatWasAskedFor) {
+  const auto message = to_message(small_result(), {.labels = false, .supervoxels = false, .tree = true});
+  EXPECT_FALSE(message->has_labels());
+  EXPECT_FALSE(message->has_supervoxels());
+  const auto read = from_message(*message, 6);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_TRUE(read->segmentation.labels.empty());
+  EXPECT_EQ(read->segmentation.tree, small_tree());
+}
+
+TEST(WireResult, MustBeOfTheCloudThatWasSent) { EXPECT_THAT(refusal(small_message(), 7), testing::HasSubstr("7")); }
+
+TEST(WireResult, MustAgreeWithItself) {
+  v1alpha1::SegmentationResult message = small_message();
+  message.mutable_summary()->set_segments(1);  // but a label is 2
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->set_supervoxels(4);  // but the tree has 3 leaves
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->set_finite_points(7);  // of 6
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->clear_view();
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->clear_method();
+  refusal(message);
+
+  refusal({});
+}
+
+}  // namespace
+}  // namespace segserve::wire
