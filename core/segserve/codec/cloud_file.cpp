@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/cord.h"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"
 #include "segserve/codec/ply_header.hpp"
@@ -29,9 +30,12 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
+/// The same status, its message with the path in front.
 absl::Status in_file(const std::string& path, const absl::Status& status) {
-  return {status.code(),
-          fmt::format("{}: {}", path, std::string_view(status.message().data(), status.message().size()))};
+  absl::Status out(status.code(),
+                   fmt::format("{}: {}", path, std::string_view(status.message().data(), status.message().size())));
+  status.ForEachPayload([&](auto key, const absl::Cord& payload) { out.SetPayload(key, payload); });
+  return out;
 }
 
 absl::Status open_error(const std::string& path, int error) {
@@ -47,7 +51,8 @@ absl::StatusOr<std::vector<std::byte>> read_all(std::FILE* file, const DecodeLim
     const std::size_t got = std::fread(bytes.data() + size, 1, bytes.size() - size, file);
     size += got;
     if (size > limits.max_bytes) {
-      return absl::InvalidArgumentError(fmt::format("more than the limit of {} bytes", limits.max_bytes));
+      return over_limit(fmt::format("more than the limit of {} bytes", limits.max_bytes),
+                        {"max_bytes", size, limits.max_bytes});
     }
     if (got == 0) break;
   }

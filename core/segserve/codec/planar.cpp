@@ -19,12 +19,13 @@ absl::Status check_plane(std::string_view name, std::string_view bytes, std::uin
 
 absl::Status check_planes(const PlanarBytes& planes, std::uint64_t points, const DecodeLimits& limits) {
   if (points > limits.max_points) {
-    return absl::InvalidArgumentError(
-        fmt::format("{} points exceed the limit of {} points", points, limits.max_points));
+    return over_limit(fmt::format("{} points exceed the limit of {} points", points, limits.max_points),
+                      {"max_points", points, limits.max_points});
   }
   const std::uint64_t bytes = planes.x.size() + planes.y.size() + planes.z.size() + planes.rgb.size();
   if (bytes > limits.max_bytes) {
-    return absl::InvalidArgumentError(fmt::format("{} bytes exceed the limit of {} bytes", bytes, limits.max_bytes));
+    return over_limit(fmt::format("{} bytes exceed the limit of {} bytes", bytes, limits.max_bytes),
+                      {"max_bytes", bytes, limits.max_bytes});
   }
   if (auto status = check_plane("x", planes.x, points, 4); !status.ok()) return status;
   if (auto status = check_plane("y", planes.y, points, 4); !status.ok()) return status;

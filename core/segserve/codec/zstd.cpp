@@ -21,8 +21,9 @@ absl::StatusOr<std::string> zstd_compress(std::string_view bytes, int level) {
 absl::StatusOr<std::string> zstd_decompress(std::string_view bytes, std::size_t decoded_size,
                                             const DecodeLimits& limits) {
   if (decoded_size > limits.max_bytes) {
-    return absl::InvalidArgumentError(
-        fmt::format("zstd: a decoded size of {} bytes exceeds the limit of {} bytes", decoded_size, limits.max_bytes));
+    return over_limit(
+        fmt::format("zstd: a decoded size of {} bytes exceeds the limit of {} bytes", decoded_size, limits.max_bytes),
+        {"max_bytes", decoded_size, limits.max_bytes});
   }
   const unsigned long long declared = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (declared == ZSTD_CONTENTSIZE_ERROR) {

@@ -74,7 +74,8 @@ TEST_F(CloudFile, FaultsNameTheFile) {
   expect_fault(load_cloud(path("bad.pcd")).status(), path("bad.pcd") + ": PCD header: it ends without a line DATA");
   std::ofstream(path("empty.pcd")).flush();
   expect_fault(load_cloud(path("empty.pcd")).status(), path("empty.pcd") + ": not a PCD file");
-  expect_fault(load_cloud(path("bad.pcd"), std::nullopt, {.max_bytes = 5}).status(), "more than the limit of 5 bytes");
+  expect_over_limit(load_cloud(path("bad.pcd"), std::nullopt, {.max_bytes = 5}).status(), "max_bytes",
+                    "more than the limit of 5 bytes");
   expect_fault(save_cloud(path("cloud.las"), Cloud{}, {}), path("cloud.las") + ": a cloud is written to a name that");
 
   EXPECT_FALSE(load_cloud(folder_).ok());

@@ -112,8 +112,10 @@ TEST(PcdMalformed, EachFaultOfTheBodyIsNamed) {
 TEST(PcdMalformed, LimitsAreNamed) {
   const Sample sample = make_sample(1, 10, 10, true, true);
   const std::string file = encode_pcd(sample.cloud, sample.label, PcdEncoding::kBinaryCompressed);
-  expect_fault(decode_pcd(bytes_of(file), {.max_points = 99}).status(), "POINTS 100 exceeds the limit of 99 points");
-  expect_fault(decode_pcd(bytes_of(file), {.max_bytes = 100}).status(), "exceeds the limit of 100 bytes");
+  expect_over_limit(decode_pcd(bytes_of(file), {.max_points = 99}).status(), "max_points",
+                    "POINTS 100 exceeds the limit of 99 points");
+  expect_over_limit(decode_pcd(bytes_of(file), {.max_bytes = 100}).status(), "max_bytes",
+                    "exceeds the limit of 100 bytes");
   EXPECT_TRUE(decode_pcd(bytes_of(file), {.max_points = 100, .max_bytes = file.size()}).ok());
 }
 
@@ -124,8 +126,8 @@ TEST(PcdMalformed, WhatDecompressesToMoreThanTheLimitIsRefused) {
   cloud.height = 1;
   const std::string file = encode_pcd(cloud, {}, PcdEncoding::kBinaryCompressed);
   ASSERT_LT(file.size(), 1000U);
-  expect_fault(decode_pcd(bytes_of(file), {.max_bytes = 11999}).status(),
-               "claims 12000 bytes when decompressed, which exceeds the limit of 11999");
+  expect_over_limit(decode_pcd(bytes_of(file), {.max_bytes = 11999}).status(), "max_bytes",
+                    "claims 12000 bytes when decompressed, which exceeds the limit of 11999");
 }
 
 class PcdDamage : public testing::TestWithParam<PcdEncoding> {};

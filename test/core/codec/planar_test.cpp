@@ -38,8 +38,8 @@ TEST(Planar, WrongLengthsAndLimitsAreNamed) {
   expect_fault(status({good.x, "", good.z, good.rgb}), "plane y has 0 bytes");
   expect_fault(status({good.x, good.y, good.rgb, good.rgb}), "plane z has 24 bytes");
   expect_fault(status({good.x, good.y, good.z, good.x}), "plane rgb has 32 bytes; 8 points of 3 bytes are 24");
-  expect_fault(status(good, {.max_points = 7}), "8 points exceed the limit of 7 points");
-  expect_fault(status(good, {.max_bytes = 119}), "120 bytes exceed the limit of 119 bytes");
+  expect_over_limit(status(good, {.max_points = 7}), "max_points", "8 points exceed the limit of 7 points");
+  expect_over_limit(status(good, {.max_bytes = 119}), "max_bytes", "120 bytes exceed the limit of 119 bytes");
   expect_fault(status(good, {}, 0xFFFFFFFFU), "8589934590 points exceed the limit");
   expect_fault(decode_planar(good, 0xFFFFFFFFU, 0xFFFFFFFFU, View::camera(),
                              {.max_points = std::numeric_limits<std::uint64_t>::max()})

@@ -86,8 +86,10 @@ TEST(PlyMalformed, EachFaultOfTheBodyIsNamed) {
 
 TEST(PlyMalformed, LimitsAreNamed) {
   const std::string file = encode_ply(make_sample(1, 10, 10, true, true).cloud, {}, PlyEncoding::kBinaryLittleEndian);
-  expect_fault(decode_ply(bytes_of(file), {.max_points = 99}).status(), "element vertex 100 exceeds the limit of 99");
-  expect_fault(decode_ply(bytes_of(file), {.max_bytes = 100}).status(), "exceeds the limit of 100 bytes");
+  expect_over_limit(decode_ply(bytes_of(file), {.max_points = 99}).status(), "max_points",
+                    "element vertex 100 exceeds the limit of 99");
+  expect_over_limit(decode_ply(bytes_of(file), {.max_bytes = 100}).status(), "max_bytes",
+                    "exceeds the limit of 100 bytes");
 }
 
 class PlyDamage : public testing::TestWithParam<PlyEncoding> {};

@@ -16,6 +16,7 @@
 
 #include "absl/status/status.h"
 #include "segserve/cloud/cloud.hpp"
+#include "segserve/codec/limits.hpp"
 
 namespace segserve::codec {
 
@@ -76,6 +77,15 @@ inline void expect_fault(const absl::Status& status, std::string_view words) {
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << message;
   EXPECT_THAT(message, testing::HasSubstr(std::string(words)));
   EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
+}
+
+/// The same for an exceeded limit, which callers can tell from damage.
+inline void expect_over_limit(const absl::Status& status, std::string_view limit, std::string_view words) {
+  expect_fault(status, words);
+  const auto excess = limit_excess(status);
+  ASSERT_TRUE(excess.has_value()) << status;
+  EXPECT_EQ(excess->limit, limit);
+  EXPECT_GT(excess->actual, excess->allowed);
 }
 
 }  // namespace segserve::codec
