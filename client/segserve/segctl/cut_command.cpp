@@ -18,8 +18,7 @@
 namespace segserve::segctl {
 namespace {
 
-constexpr const char* kFooter = R"(
-Examples:
+constexpr const char* kFooter = R"(Examples:
   segctl segment scene.pcd --result scene.segres
   segctl cut scene.segres --threshold 0.25
   segctl cut scene.segres --regions 8 --cloud scene.pcd -o labelled.ply --picture segments.png

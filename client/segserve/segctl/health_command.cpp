@@ -10,8 +10,7 @@ namespace {
 
 constexpr double kDefaultTimeout = 2;
 
-constexpr const char* kFooter = R"(
-Examples:
+constexpr const char* kFooter = R"(Examples:
   segctl health
   segctl health --server robot:50051 --timeout 0.5 && echo ready
 

@@ -15,8 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDefaultTimeout = 5;
 
-constexpr const char* kFooter = R"(
-Examples:
+constexpr const char* kFooter = R"(Examples:
   segctl info
   segctl info --server robot:50051 --json - | jq .limits.max_points
 

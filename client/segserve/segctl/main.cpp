@@ -10,8 +10,8 @@ namespace {
 
 using namespace segserve::segctl;  // NOLINT(google-build-using-namespace): this file is their main
 
-constexpr const char* kFooter = R"(
-"segctl COMMAND --help" tells more, with examples. Errors are one line on standard error.
+constexpr const char* kFooter =
+    R"("segctl COMMAND --help" tells more, with examples. Errors are one line on standard error.
 
 Exit codes: 0 done; 1 failed (server unreachable or not serving, time over, disk full);
 2 bad input or usage.)";

@@ -25,8 +25,7 @@ namespace {
 
 constexpr double kDefaultTimeout = 30;
 
-constexpr const char* kFooter = R"(
-Examples:
+constexpr const char* kFooter = R"(Examples:
   segctl segment scene.pcd -o labelled.pcd --picture segments.png
   segctl segment scene.ply --view world:0,0,1.5 --server robot:50051 --zstd --json -
   segctl segment scene.pcd --local --method equalization --regions 12 -o - | other-program
@@ -161,6 +160,29 @@ absl::StatusOr<client::Result> segment_here(const Arguments& arguments, const Jo
   return segment_locally(*job.scene, job.options, StopToken(nullptr, deadline));
 }
 
+absl::Status write_outputs(const Arguments& arguments, Job& job, const client::Result& result, double call_ms,
+                           StagedOutput& output) {
+  if (arguments.scene_output.wanted()) {
+    job.scene->cloud.view = result.view;
+    arguments.scene_output.add(output, job.scene->cloud, result.segmentation.labels);
+  }
+  if (!arguments.result_path.empty()) {
+    auto bytes = client::encode_result_file(result);
+    if (!bytes.ok()) return bytes.status();
+    output.add(arguments.result_path, *std::move(bytes));
+  }
+  Summary summary{.result = result,
+                  .input = input_name(arguments.scene),
+                  .server = arguments.local ? "" : arguments.server.address(),
+                  .timings = stage_timings(result)};
+  if (!arguments.local) summary.timings.push_back({"round_trip", call_ms});
+  return report(summary, arguments.json_path, arguments.quiet, output);
+}
+
+double milliseconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
 absl::Status run(const Arguments& arguments) {
   StagedOutput output;
   if (absl::Status status = check_combination(arguments); !status.ok()) return status;
@@ -168,36 +190,23 @@ absl::Status run(const Arguments& arguments) {
   auto job = prepare(arguments);
   if (!job.ok()) return job.status();
 
-  const auto start = std::chrono::steady_clock::now();
-  const bool sends_file = arguments.payload == "pcd";
-  if (!sends_file || arguments.scene_output.wanted()) {
+  auto start = std::chrono::steady_clock::now();
+  if (arguments.payload != "pcd" || arguments.scene_output.wanted()) {
     auto scene = decode(arguments, *job);
     if (!scene.ok()) return scene.status();
     job->scene = *std::move(scene);
   }
-  const std::chrono::duration<double, std::milli> decode_time = std::chrono::steady_clock::now() - start;
+  const double decode_ms = milliseconds_since(start);
 
+  start = std::chrono::steady_clock::now();
   auto result = arguments.local ? segment_here(arguments, *job) : segment_remotely(arguments, *job);
   if (!result.ok()) return result.status();
+  const double call_ms = milliseconds_since(start);
   if (arguments.local) {
-    result->timings.decode = decode_time.count();
-    result->timings.total += decode_time.count();
+    result->timings.decode = decode_ms;
+    result->timings.total += decode_ms;
   }
-
-  if (arguments.scene_output.wanted()) {
-    job->scene->cloud.view = result->view;
-    arguments.scene_output.add(output, job->scene->cloud, result->segmentation.labels);
-  }
-  if (!arguments.result_path.empty()) {
-    auto bytes = client::encode_result_file(*result);
-    if (!bytes.ok()) return bytes.status();
-    output.add(arguments.result_path, *std::move(bytes));
-  }
-  const Summary summary{.result = *result,
-                        .input = input_name(arguments.scene),
-                        .server = arguments.local ? "" : arguments.server.address(),
-                        .timings = stage_timings(*result)};
-  return report(summary, arguments.json_path, arguments.quiet, output);
+  return write_outputs(arguments, *job, *result, call_ms, output);
 }
 
 }  // namespace

@@ -44,6 +44,14 @@ std::string sizes_text(const Segmentation& segmentation) {
   return fmt::format("{} points{}", text, sizes.size() > kShown ? ", .." : "");
 }
 
+std::string timings_text(const Summary& summary) {
+  std::string text;
+  for (const Timing& timing : summary.timings) {
+    text += fmt::format("{}{} {:.1f}", text.empty() ? "" : ", ", timing.name, timing.ms);
+  }
+  return fmt::format("ms {}: {}", summary.server.empty() ? "in this process" : "at " + summary.server, text);
+}
+
 }  // namespace
 
 std::vector<Timing> stage_timings(const client::Result& result) {
@@ -86,18 +94,13 @@ std::string to_text(const Summary& summary) {
   text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
                       result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",
                       sizes_text(segmentation));
-  text += fmt::format("{:.1f} ms {}", summary.timings.back().ms,
-                      summary.server.empty() ? "in this process:" : "by " + summary.server + ":");
-  for (std::size_t i = 0; i + 1 < summary.timings.size(); ++i) {
-    text += fmt::format("{} {} {:.1f}", i == 0 ? "" : ",", summary.timings[i].name, summary.timings[i].ms);
-  }
-  return text + "\n";
+  return text + timings_text(summary) + "\n";
 }
 
 absl::Status report(const Summary& summary, const std::string& json_path, bool quiet, StagedOutput& output) {
   if (!json_path.empty()) {
     // Names of files need not be UTF-8; JSON must be.
-    output.add(json_path, to_json(summary).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    output.add(json_path, to_json(summary).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
   }
   const bool show_text = !quiet && !output.uses_stdout();
   if (show_text) output.add("-", to_text(summary));

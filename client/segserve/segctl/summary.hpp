@@ -20,10 +20,10 @@ struct Summary {
   const client::Result& result;
   std::string input;            ///< for people: where the points came from
   std::string server;           ///< address; empty: no server took part
-  std::vector<Timing> timings;  ///< in order; the last one is the total
+  std::vector<Timing> timings;  ///< in order
 };
 
-/// The times of a result as the server (or the local run) took them, total last.
+/// The times of a result as the server (or the local run) took them; the last one is the total.
 std::vector<Timing> stage_timings(const client::Result& result);
 
 /// One object with at least points, finite, supervoxels, segments, method, threshold (null after a

@@ -13,8 +13,7 @@
 namespace segserve::segctl {
 namespace {
 
-constexpr const char* kFooter = R"(
-Examples:
+constexpr const char* kFooter = R"(Examples:
   segctl synth -o table.pcd --picture truth.png
   segctl synth --seed 7 --objects 12 --noise 0 -o table.ply
   segctl synth --fused --points 1000000 -o room.pcd
