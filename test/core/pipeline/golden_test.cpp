@@ -1,0 +1,75 @@
+// Checksums of whole results. They must be the same on every CPU (test/cpus runs this on others) and
+// must change only on purpose: say so in the commit and in the CHANGELOG.
+#include <gtest/gtest.h>
+
+#include <bit>
+
+#include "segserve/pipeline/segment.hpp"
+#include "segserve/synth/scene.hpp"
+
+namespace segserve {
+namespace {
+
+/// FNV-1a over little-endian bytes.
+class Checksum {
+ public:
+  void add(std::uint64_t value, int bytes) {
+    for (int i = 0; i < bytes; ++i) hash_ = (hash_ ^ (value >> (8 * i) & 0xffU)) * 0x100000001b3ULL;
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325ULL;
+};
+
+std::uint64_t checksum(const Segmentation& s) {
+  Checksum sum;
+  for (const std::uint32_t label : s.labels) sum.add(label, 4);
+  for (const std::uint32_t id : s.supervoxels) sum.add(id, 4);
+  for (std::size_t row = 0; row < s.tree.row_count(); ++row) {
+    sum.add(s.tree.left[row], 4);
+    sum.add(s.tree.right[row], 4);
+    sum.add(std::bit_cast<std::uint64_t>(s.tree.weight[row]), 8);
+  }
+  return sum.value();
+}
+
+struct Golden {
+  Method method;
+  std::uint64_t camera, world;
+};
+
+class GoldenTest : public testing::TestWithParam<Golden> {};
+
+TEST_P(GoldenTest, ATabletopInTheCameraView) {
+  static const Cloud cloud = synth::make_tabletop({.seed = 5})->cloud;
+  Options options;
+  options.method = GetParam().method;
+  EXPECT_EQ(checksum(*segment(cloud, options)), GetParam().camera);
+}
+
+TEST_P(GoldenTest, AFusedRoomInTheWorldView) {
+  static const Cloud cloud = synth::make_fused_room({.seed = 5, .points = 150000})->cloud;
+  Options options;
+  options.method = GetParam().method;
+  options.voxel_resolution = 0.02;
+  options.seed_resolution = 0.15;
+  EXPECT_EQ(checksum(*segment(cloud, options)), GetParam().world);
+}
+
+INSTANTIATE_TEST_SUITE_P(AllMethods, GoldenTest,
+                         testing::Values(Golden{Method::kColor, 0, 0},
+                                         Golden{Method::kGeometry, 0, 0},
+                                         Golden{Method::kLambda, 0, 0},
+                                         Golden{Method::kLambdaConvex, 0, 0},
+                                         Golden{Method::kEqualization, 0, 0},
+                                         Golden{Method::kEqualizationConvex, 0, 0},
+                                         Golden{Method::kFixedLambda, 0, 0}),
+                         [](const auto& param) {
+                           std::string name(segserve::name(param.param.method));
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace segserve

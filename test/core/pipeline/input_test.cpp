@@ -1,0 +1,169 @@
+// Bad input is refused by name; odd input gives a sensible result.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "segserve/pipeline/segment.hpp"
+#include "test/core/support/clouds.hpp"
+
+namespace segserve {
+namespace {
+
+using testing::AllOf;
+using testing::Each;
+using testing::HasSubstr;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+std::string fault(const CloudView& cloud, const Options& options = {}) {
+  const absl::Status status = segment(cloud, options).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
+  return std::string(status.message());
+}
+
+TEST(BadInput, AnEmptyCloud) { EXPECT_THAT(fault(Cloud{}), HasSubstr("empty")); }
+
+TEST(BadInput, PlanesOfDifferentLength) {
+  Cloud cloud = test::random_cloud(10, 1, 2, View::camera());
+  cloud.y.pop_back();
+  EXPECT_THAT(fault(cloud), HasSubstr("x has 10, y 9, z 10, rgb 10"));
+}
+
+TEST(BadInput, AShapeThatIsNotItsSize) {
+  Cloud cloud = test::random_cloud(10, 1, 2, View::camera());
+  cloud.height = 3;
+  EXPECT_THAT(fault(cloud), HasSubstr("width 10 times height 3 is not the number of points, 10"));
+  cloud.width = cloud.height = 0x80000000U;  // 2^62, not 0
+  EXPECT_THAT(fault(cloud), HasSubstr("is not the number of points"));
+}
+
+TEST(BadInput, ASensorThatContradictsTheView) {
+  Cloud cloud = test::random_cloud(10, 1, 2, View::camera());
+  cloud.view.sensor = {0, 0, 0};
+  EXPECT_THAT(fault(cloud), HasSubstr("WORLD only"));
+  cloud.view = View::world(0, kNan, 0);
+  EXPECT_THAT(fault(cloud), HasSubstr("sensor is not finite"));
+}
+
+TEST(BadInput, OptionsOutOfRange) {
+  Options options;
+  options.threshold = -1;
+  options.voxel_resolution = 0;
+  EXPECT_THAT(fault(test::random_cloud(10, 1, 2, View::camera()), options),
+              AllOf(HasSubstr("threshold"), HasSubstr("voxel_resolution")));
+}
+
+TEST(BadInput, CoordinatesBeyondTheGrid) {
+  Cloud cloud = test::random_cloud(10, 1, 2, View::world());
+  cloud.x[7] = 1e30F;
+  EXPECT_THAT(fault(cloud), HasSubstr("point 7 at (1e+30"));
+}
+
+TEST(OddInput, WithoutAnyFinitePointAllLabelsAreZero) {
+  Cloud cloud = test::unorganised(View::camera());
+  for (int i = 0; i < 9; ++i) test::add(cloud, kNan, kNan, kNan, 0);
+  for (const bool by_regions : {false, true}) {
+    Options options;
+    if (by_regions) options.regions = 3;
+    const Segmentation s = *segment(cloud, options);
+    EXPECT_THAT(s.labels, Each(0U));
+    EXPECT_EQ(s.segments, 0U);
+    EXPECT_EQ(s.tree.leaf_count(), 0U);
+    EXPECT_EQ(s.finite_points, 0U);
+  }
+}
+
+TEST(OddInput, OnePointIsOneSegment) {
+  Cloud cloud = test::unorganised(View::camera());
+  test::add(cloud, 0, 0, 1, 0xff0000);
+  const Segmentation s = *segment(cloud, {});
+  EXPECT_EQ(s.labels, std::vector<std::uint32_t>{1});
+  EXPECT_EQ(s.tree.leaf_count(), 1U);
+  EXPECT_EQ(s.tree.row_count(), 0U);
+}
+
+TEST(OddInput, EqualPointsAreOneSegment) {
+  Cloud cloud = test::unorganised(View::world());
+  for (int i = 0; i < 1000; ++i) test::add(cloud, 1, 2, 3, 0xffffff);
+  const Segmentation s = *segment(cloud, {});
+  EXPECT_THAT(s.labels, Each(1U));
+  EXPECT_EQ(s.tree.leaf_points, std::vector<std::uint32_t>{1000});
+}
+
+/// Every finite point is labelled, and all weights and heights are numbers in [0, 1].
+Segmentation sensible(const CloudView& cloud, Method method) {
+  Options options;
+  options.method = method;
+  Segmentation s = *segment(cloud, options);
+  EXPECT_TRUE(check(s.tree).ok()) << check(s.tree) << " by " << name(method);
+  EXPECT_THAT(s.labels, Each(testing::Gt(0U)));
+  return s;
+}
+
+TEST(OddInput, AFlatCloudOfOneColorIsOneSegment) {
+  for (const View& view : {View::world(), View::world(0, 0, 1), View::camera()}) {
+    Cloud cloud = test::unorganised(view);
+    test::add_patch(cloud, -0.3F, -0.3F, 1, 0.6F, 0.005F, 0x808080);
+    for (const Method method : all_methods()) {
+      if (method == Method::kEqualization || method == Method::kEqualizationConvex) continue;  // ranks, not sizes
+      EXPECT_EQ(sensible(cloud, method).segments, 1U) << name(method);
+    }
+    sensible(cloud, Method::kEqualization);
+    sensible(cloud, Method::kEqualizationConvex);
+  }
+}
+
+TEST(OddInput, AHundredComponentsAreAHundredSegments) {
+  Cloud cloud = test::unorganised();
+  for (int i = 0; i < 10; ++i) {
+    for (int j = 0; j < 10; ++j) {
+      test::add_patch(cloud, 0.5F * static_cast<float>(i), 0.5F * static_cast<float>(j), 0, 0.1F, 0.005F, 0x336699);
+    }
+  }
+  const Segmentation s = sensible(cloud, Method::kLambdaConvex);
+  EXPECT_EQ(s.segments, 100U);
+  EXPECT_EQ(std::ranges::count(s.tree.kind, MergeKind::kJoined), 99);
+}
+
+TEST(OddInput, ACloudWithoutColorIsSegmentedByItsGeometry) {
+  Cloud cloud = test::unorganised(View::world(1, 1, 3));
+  test::add_patch(cloud, 0, 0, 0, 0.5F, 0.005F, 0);
+  test::add_patch(cloud, 2, 2, 1, 0.5F, 0.005F, 0);
+  cloud.rgb.clear();
+  EXPECT_EQ(sensible(cloud, Method::kLambdaConvex).segments, 2U);
+  EXPECT_EQ(sensible(cloud, Method::kColor).segments, 2U);
+}
+
+TEST(OddInput, ColorSegmentsWhatGeometryCannot) {
+  Cloud cloud = test::unorganised();
+  test::add_patch(cloud, 0, 0, 0, 0.4F, 0.005F, 0xff0000);
+  test::add_patch(cloud, 0.4F, 0, 0, 0.4F, 0.005F, 0x0000ff);
+  const Segmentation s = sensible(cloud, Method::kColor);
+  EXPECT_EQ(s.segments, 2U);
+  EXPECT_NE(s.labels.front(), s.labels.back());
+  EXPECT_EQ(sensible(cloud, Method::kGeometry).segments, 1U);
+}
+
+TEST(Stopping, IsHeardBeforeAndDuringTheWork) {
+  const Cloud cloud = test::random_cloud(200000, 1, 2, View::camera());
+  std::atomic<bool> cancelled = true;
+  EXPECT_EQ(segment(cloud, {}, StopToken(&cancelled)).status().code(), absl::StatusCode::kCancelled);
+  const StopToken late(nullptr, StopToken::Clock::now());
+  EXPECT_EQ(segment(cloud, {}, late).status().code(), absl::StatusCode::kDeadlineExceeded);
+}
+
+TEST(Stopping, LeavesTheSegmenterUsable) {
+  const Cloud cloud = test::random_cloud(20000, 0.5F, 1, View::camera());
+  Segmenter segmenter;
+  const Segmentation before = *segmenter.segment(cloud, {});
+  const StopToken soon(nullptr, StopToken::Clock::now() + std::chrono::milliseconds(2));
+  (void)segmenter.segment(cloud, {}, soon);
+  const Segmentation after = *segmenter.segment(cloud, {});
+  EXPECT_EQ(before.labels, after.labels);
+}
+
+}  // namespace
+}  // namespace segserve
