@@ -16,7 +16,7 @@ constexpr std::uint64_t mix(std::uint64_t value) {
 constexpr double unit_interval(std::uint64_t bits) { return static_cast<double>(bits >> 11U) * 0x1p-53; }
 
 /// SplitMix64 with number mappings of its own, as those of <random> differ between libraries.
-/// Draw into named variables or braces: C++ does not order the arguments of a call.
+/// Draw into named variables or braces: C++ does not order the arguments of a call, nor the operands of +.
 class Random {
  public:
   explicit constexpr Random(std::uint64_t seed) : state_(mix(seed)) {}

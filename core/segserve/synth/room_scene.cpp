@@ -22,7 +22,7 @@ class RoomBuilder {
     for (int i = 0; i < count(1); ++i) add_table_group();
     for (int i = 0; i < count(1.6); ++i) add_at_wall(random_bookcase(random_));
     for (int i = 0; i < count(1); ++i) add_at_wall(random_sideboard(random_));
-    for (int i = 0; i < count(0.8); ++i) add_freely(random_armchair(random_), random_.uniform());
+    for (int i = 0; i < count(0.8); ++i) add_armchair();
     put_small_objects(static_cast<std::uint32_t>(std::floor(options.objects * rooms + 0.5)));
     for (int i = 0; i < std::max(12, count(30)); ++i) add_view();
     scene_.half_x = half_x_;
@@ -92,6 +92,12 @@ class RoomBuilder {
     return false;
   }
 
+  void add_armchair() {
+    const Furniture armchair = random_armchair(random_);
+    const double turns = random_.uniform();
+    add_freely(armchair, turns);
+  }
+
   // With its back to one of the four walls.
   void add_at_wall(const Furniture& furniture) {
     constexpr double kBehind = 0.012;
@@ -112,7 +118,9 @@ class RoomBuilder {
   void add_table_group() {
     const Furniture table = random_table(random_);
     const Furniture chair = random_chair(random_);
-    if (!add_freely(table, random_.uniform(-0.03, 0.03) + 0.25 * random_.below(2))) return;
+    const double askew = random_.uniform(-0.03, 0.03);
+    const double quarter = 0.25 * random_.below(2);
+    if (!add_freely(table, askew + quarter)) return;
     const Arrangement::Footprint box = floor_plan_.taken().back();
     const Pose pose = turned(box.turns, {box.x, box.y, 0});
     for (const double side : {-1.0, 1.0}) {
