@@ -1,13 +1,11 @@
 #include "segserve/server/frame.hpp"
 
-#include <exception>
 #include <utility>
 
 #include "segserve/server/version.hpp"
 #include "segserve/wire/cloud.hpp"
 #include "segserve/wire/result.hpp"
 #include "segserve/wire/status.hpp"
-#include "spdlog/spdlog.h"
 
 namespace segserve::server {
 namespace {
@@ -16,8 +14,10 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
-absl::StatusOr<v1alpha1::SegmentationResult> process_steps(const Frame& frame, const codec::DecodeLimits& limits,
-                                                           SegmenterInterface& segmenter, const StopToken& stop) {
+}  // namespace
+
+absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
+                                                     SegmenterInterface& segmenter, const StopToken& stop) {
   const Clock::time_point started = Clock::now();
   if (const absl::Status status = stop.check(); !status.ok()) return status;
   const absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(frame.payload, limits);
@@ -44,18 +44,6 @@ absl::StatusOr<v1alpha1::SegmentationResult> process_steps(const Frame& frame, c
     wire::set_final_timings(*message, milliseconds(end - encode_start), milliseconds(end - frame.arrival));
   }
   return message;
-}
-
-}  // namespace
-
-absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
-                                                     SegmenterInterface& segmenter, const StopToken& stop) {
-  try {
-    return process_steps(frame, limits, segmenter, stop);
-  } catch (const std::exception& error) {
-    spdlog::error("a frame failed with an exception: {}", error.what());
-    return absl::InternalError("the server failed to process this frame; its log says more");
-  }
 }
 
 }  // namespace segserve::server

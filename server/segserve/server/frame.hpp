@@ -20,8 +20,8 @@ struct Frame {
 };
 
 /// Decodes, segments and encodes, and looks for a stop between these steps and within the segmentation. Knows
-/// nothing of the transport. Every error has its reason (see v1alpha1.ErrorReason); exceptions of libraries end
-/// here, as INTERNAL.
+/// nothing of the transport. Errors of the payload have their reason (see v1alpha1.ErrorReason). Libraries may throw:
+/// see no_throw.
 absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
                                                      SegmenterInterface& segmenter, const StopToken& stop);
 

@@ -42,7 +42,7 @@ absl::StatusOr<ListenAddress> parse_listen_address(std::string_view text) {
     std::string_view host = text.substr(0, colon);
     const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
     if (bracketed) host = host.substr(1, host.size() - 2);
-    const bool is_host = !host.empty() && (bracketed || host.find(':') == std::string_view::npos);
+    const bool is_host = !host.empty() && (bracketed || host.find_first_of(":[]") == std::string_view::npos);
     if (is_host && is_port(text.substr(colon + 1))) {
       return ListenAddress{std::string(host), std::string(text.substr(colon + 1)), false};
     }

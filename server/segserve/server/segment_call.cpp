@@ -6,6 +6,7 @@
 
 #include "absl/strings/escaping.h"
 #include "segserve/server/frame.hpp"
+#include "segserve/server/no_throw.hpp"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/status.hpp"
 #include "spdlog/spdlog.h"
@@ -23,11 +24,10 @@ std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerConte
 }
 
 /// One line for the log. What callers chose is escaped, so that it cannot forge lines.
-void log_call(const grpc::CallbackServerContext& context, const v1alpha1::SegmentRequest& request,
-              const v1alpha1::SegmentResponse& response, const absl::Status& status) {
+void log_call(const grpc::CallbackServerContext& context, const std::string& request_id,
+              const v1alpha1::ResultSummary& summary, const absl::Status& status) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
-  const std::string id = absl::CHexEscape(request.request_id().substr(0, 64));
-  const v1alpha1::ResultSummary& summary = response.result().summary();
+  const std::string id = absl::CHexEscape(request_id.substr(0, 64));
   if (status.ok()) {
     spdlog::debug("Segment from {}, id '{}': OK, {} points, {} segments, queue {:.1f} ms, total {:.1f} ms",
                   context.peer(), id, summary.points(), summary.segments(), summary.timings().queue_ms(),
@@ -41,21 +41,26 @@ void log_call(const grpc::CallbackServerContext& context, const v1alpha1::Segmen
 }  // namespace
 
 SegmentCall::SegmentCall(SegmentationService& service, const grpc::CallbackServerContext& context,
-                         const v1alpha1::SegmentRequest& request, v1alpha1::SegmentResponse& response)
+                         grpc::ByteBuffer& response)
     : service_(service),
       context_(context),
-      request_(request),
       response_(response),
       arrival_(Clock::now()),
       deadline_(steady_deadline(context)) {}
 
-void SegmentCall::start() {
-  if (const absl::Status status = admit(); !status.ok()) finish(status);
+void SegmentCall::start(grpc::ByteBuffer& request) {
+  const absl::Status status = no_throw([&] { return admit(request); });
+  if (!status.ok()) finish(status);
 }
 
-absl::Status SegmentCall::admit() {
-  if (const std::uint64_t bytes = request_.ByteSizeLong(); bytes > wire::kMaxRequestBytes) {
-    return wire::limit_exceeded("the request has", bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
+absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
+  if (request.Length() > wire::kMaxRequestBytes) {
+    return wire::limit_exceeded("the request has", request.Length(), "bytes", "max_message_bytes",
+                                wire::kMaxRequestBytes);
+  }
+  if (!grpc::SerializationTraits<v1alpha1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
+    return wire::with_reason(absl::InvalidArgumentError("the request is no serialised SegmentRequest"),
+                             v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
   }
   absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_request(request_, service_.defaults_);
   if (!parsed.ok()) return parsed.status();
@@ -69,16 +74,26 @@ absl::Status SegmentCall::admit() {
 
 void SegmentCall::run(std::size_t worker, const wire::ParsedRequest& parsed) {
   const Clock::time_point started = Clock::now();
-  absl::StatusOr<v1alpha1::SegmentationResult> result =
-      process({request_.cloud(), parsed, arrival_}, service_.limits_, *service_.segmenters_[worker], stop_token());
-  if (result.ok()) {
-    response_.set_request_id(request_.request_id());
-    response_.set_frame_id(request_.frame_id());
-    if (request_.has_stamp()) *response_.mutable_stamp() = request_.stamp();
-    *response_.mutable_result() = *std::move(result);
-    service_.note_duration(Clock::now() - started);
-  }
-  finish(result.status());
+  const absl::Status status = no_throw([&] {
+    return answer(
+        process({request_.cloud(), parsed, arrival_}, service_.limits_, *service_.segmenters_[worker], stop_token()));
+  });
+  if (status.ok()) service_.note_duration(Clock::now() - started);
+  finish(status);
+}
+
+absl::Status SegmentCall::answer(absl::StatusOr<v1alpha1::SegmentationResult> result) {
+  if (!result.ok()) return result.status();
+  summary_ = result->summary();
+  v1alpha1::SegmentResponse response;
+  response.set_request_id(request_.request_id());
+  response.set_frame_id(request_.frame_id());
+  if (request_.has_stamp()) *response.mutable_stamp() = request_.stamp();
+  *response.mutable_result() = *std::move(result);
+  bool owns_buffer = false;
+  const grpc::Status status =
+      grpc::SerializationTraits<v1alpha1::SegmentResponse>::Serialize(response, &response_, &owns_buffer);
+  return status.ok() ? absl::OkStatus() : absl::InternalError("the answer cannot be serialised");
 }
 
 void SegmentCall::OnCancel() {
@@ -91,7 +106,7 @@ void SegmentCall::OnCancel() {
 }
 
 void SegmentCall::finish(const absl::Status& status) {
-  log_call(context_, request_, response_, status);
+  log_call(context_, request_.request_id(), summary_, status);
   Finish(wire::to_grpc(status));  // from here on `this` may be gone
 }
 

@@ -5,7 +5,9 @@
 #include <optional>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "grpcpp/server_context.h"
+#include "grpcpp/support/byte_buffer.h"
 #include "segserve/server/service.hpp"
 #include "segserve/server/worker_pool.hpp"
 #include "segserve/wire/request.hpp"
@@ -16,25 +18,27 @@ namespace segserve::server {
 /// worker that took the job, or by OnCancel if it could withdraw the job before a worker took it.
 class SegmentCall final : public grpc::ServerUnaryReactor {
  public:
-  SegmentCall(SegmentationService& service, const grpc::CallbackServerContext& context,
-              const v1alpha1::SegmentRequest& request, v1alpha1::SegmentResponse& response);
+  /// `response` gets the bytes of a SegmentResponse.
+  SegmentCall(SegmentationService& service, const grpc::CallbackServerContext& context, grpc::ByteBuffer& response);
 
-  /// Checks the request and queues it, or finishes the call.
-  void start();
+  /// Parses the request, which empties the buffer, checks and queues it; or finishes the call.
+  void start(grpc::ByteBuffer& request);
 
   void OnCancel() override;
   void OnDone() override;
 
  private:
-  absl::Status admit();
+  absl::Status admit(grpc::ByteBuffer& request);
   void run(std::size_t worker, const wire::ParsedRequest& parsed);
+  absl::Status answer(absl::StatusOr<v1alpha1::SegmentationResult> result);
   void finish(const absl::Status& status);
   StopToken stop_token() const { return StopToken(&cancelled_, deadline_); }
 
   SegmentationService& service_;
   const grpc::CallbackServerContext& context_;
-  const v1alpha1::SegmentRequest& request_;
-  v1alpha1::SegmentResponse& response_;
+  v1alpha1::SegmentRequest request_;
+  v1alpha1::ResultSummary summary_;  // of the answer, for the log
+  grpc::ByteBuffer& response_;
   const std::chrono::steady_clock::time_point arrival_;
   const std::optional<std::chrono::steady_clock::time_point> deadline_;
   std::atomic<bool> cancelled_{false};

@@ -1,5 +1,6 @@
 #include "segserve/server/server_info.hpp"
 
+#include <optional>
 #include <string>
 
 #include "segserve/server/version.hpp"
@@ -7,6 +8,18 @@
 #include "segserve/wire/options.hpp"
 
 namespace segserve::server {
+namespace {
+
+/// The value of a numeric field by its name; nullopt if it is not set.
+std::optional<double> value_of(const v1alpha1::SegmentOptions& options, const std::string& name) {
+  const google::protobuf::FieldDescriptor* field = options.GetDescriptor()->FindFieldByName(name);
+  const google::protobuf::Reflection* reflection = options.GetReflection();
+  if (field == nullptr || !reflection->HasField(options, field)) return std::nullopt;
+  return field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_UINT32 ? reflection->GetUInt32(options, field)
+                                                                                : reflection->GetDouble(options, field);
+}
+
+}  // namespace
 
 v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
   v1alpha1::GetServerInfoResponse info;
@@ -38,7 +51,7 @@ v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::s
     entry.set_description(std::string(option.description));
     entry.set_minimum(option.minimum);
     entry.set_maximum(option.maximum);
-    if (option.default_value) entry.set_default_value(*option.default_value);
+    if (const auto value = value_of(info.default_options(), entry.name())) entry.set_default_value(*value);
   }
   return info;
 }

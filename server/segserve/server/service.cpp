@@ -29,8 +29,7 @@ SegmentationService::SegmentationService(const ServerOptions& options, const Seg
       pool_(options.workers, options.queue) {}
 
 grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
-                                                       const v1alpha1::SegmentRequest* request,
-                                                       v1alpha1::SegmentResponse* response) {
+                                                       const grpc::ByteBuffer* request, grpc::ByteBuffer* response) {
   if (!gate_.enter()) {
     spdlog::debug("Segment from {}: refused, the server is draining", context->peer());
     grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
@@ -39,8 +38,9 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
                            {.reason = v1alpha1::ERROR_REASON_DRAINING, .retry_delay = kRetryElsewhere})));
     return reactor;
   }
-  auto* call = new SegmentCall(*this, *context, *request, *response);  // deletes itself in OnDone
-  call->start();
+  auto* call = new SegmentCall(*this, *context, *response);  // deletes itself in OnDone
+  // Nobody but us uses the request's bytes; parsing frees them, so that they are not in memory twice.
+  call->start(const_cast<grpc::ByteBuffer&>(*request));
   return call;
 }
 

@@ -14,14 +14,19 @@
 
 namespace segserve::server {
 
+/// Segment as bytes and GetServerInfo as messages. gRPC answers a request that it cannot parse with a bare
+/// UNIMPLEMENTED; parsed by us, it gets the INVALID_ARGUMENT that the API promises.
+using RawSegmentationService = v1alpha1::SegmentationService::WithRawCallbackMethod_Segment<
+    v1alpha1::SegmentationService::WithCallbackMethod_GetServerInfo<v1alpha1::SegmentationService::Service>>;
+
 /// The RPCs of segserve.v1alpha1. Handlers never block: they check the request and hand it to the worker pool.
-class SegmentationService final : public v1alpha1::SegmentationService::CallbackService {
+class SegmentationService final : public RawSegmentationService {
  public:
   /// `options.workers` must not be 0 here.
   SegmentationService(const ServerOptions& options, const SegmenterFactory& make_segmenter);
 
-  grpc::ServerUnaryReactor* Segment(grpc::CallbackServerContext* context, const v1alpha1::SegmentRequest* request,
-                                    v1alpha1::SegmentResponse* response) override;
+  grpc::ServerUnaryReactor* Segment(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                    grpc::ByteBuffer* response) override;
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1alpha1::GetServerInfoRequest* request,
                                           v1alpha1::GetServerInfoResponse* response) override;

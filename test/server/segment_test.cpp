@@ -1,0 +1,143 @@
+#include <string>
+
+#include "gmock/gmock.h"
+#include "segserve/codec/pcd.hpp"
+#include "segserve/wire/options.hpp"
+#include "segserve/wire/result.hpp"
+#include "test/server/running_server.hpp"
+#include "test/server/scenes.hpp"
+
+namespace segserve::server {
+namespace {
+
+constexpr wire::Outputs kEverything{
+    .labels = true, .supervoxels = true, .tree = true, .compression = v1alpha1::COMPRESSION_ZSTD};
+
+/// What the server answers, back as core's types.
+wire::Result ask(RunningServer& server, v1alpha1::SegmentRequest request, std::size_t points) {
+  *request.mutable_outputs() = wire::to_message(kEverything);
+  const auto response = server.segment(request);
+  EXPECT_TRUE(response.ok()) << response.status();
+  const auto result = wire::from_message(response.value().result(), points);
+  EXPECT_TRUE(result.ok()) << result.status();
+  return result.value();
+}
+
+void expect_equal(const Segmentation& remote, const Segmentation& local) {
+  EXPECT_EQ(remote.labels, local.labels);
+  EXPECT_EQ(remote.supervoxels, local.supervoxels);
+  EXPECT_EQ(remote.tree, local.tree);
+  EXPECT_EQ(remote.segments, local.segments);
+  EXPECT_EQ(remote.finite_points, local.finite_points);
+  EXPECT_EQ(remote.voxels, local.voxels);
+  EXPECT_EQ(remote.lambda, local.lambda);
+}
+
+TEST(Segment, EveryPayloadGivesTheLabelsOfALocalRun) {
+  RunningServer server;
+  const Cloud cloud = wall_with_box();
+  const Segmentation local = segment(cloud, {}).value();
+  ASSERT_GE(local.segments, 2U) << "a scene that tests something";
+  const std::vector<v1alpha1::SegmentRequest> requests = {
+      request_for(cloud, v1alpha1::COMPRESSION_NONE),
+      request_for(cloud, v1alpha1::COMPRESSION_ZSTD),
+      request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kAscii)),
+      request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kBinary)),
+      request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kBinaryCompressed)),
+  };
+  for (const v1alpha1::SegmentRequest& request : requests) {
+    SCOPED_TRACE(request.cloud().payload_case());
+    expect_equal(ask(server, request, cloud.size()).segmentation, local);
+  }
+}
+
+TEST(Segment, EveryMethodAndCutGivesTheLabelsOfALocalRun) {
+  RunningServer server;
+  const Cloud cloud = wall_with_box();
+  for (const Method method : all_methods()) {
+    Options options;
+    options.method = method;
+    if (method == Method::kColor) options.regions = 3;
+    if (method == Method::kFixedLambda) options.threshold = 0.3;
+    v1alpha1::SegmentRequest request = request_for(cloud);
+    *request.mutable_options() = wire::to_message(options);
+    const wire::Result result = ask(server, request, cloud.size());
+    SCOPED_TRACE(name(method));
+    expect_equal(result.segmentation, segment(cloud, options).value());
+    EXPECT_EQ(result.method, method);
+    EXPECT_EQ(result.regions, options.regions);
+    EXPECT_EQ(result.options_hash, wire::options_hash(options));
+    EXPECT_EQ(result.threshold.has_value(), !options.regions.has_value());
+  }
+}
+
+TEST(Segment, WithoutColourAndInAWorldView) {
+  RunningServer server;
+  Cloud cloud = wall_with_box();
+  cloud.rgb.clear();
+  cloud.view = View::world(0, 0, 0);
+  expect_equal(ask(server, request_for(cloud), cloud.size()).segmentation, segment(cloud, {}).value());
+}
+
+TEST(Segment, EchoesWhatTheCallerSaid) {
+  RunningServer server;
+  v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  request.set_request_id("frame 7");
+  request.set_frame_id("kinect");
+  request.mutable_stamp()->set_seconds(1'700'000'000);
+  request.mutable_stamp()->set_nanos(5);
+  const auto response = server.segment(request);
+  ASSERT_TRUE(response.ok()) << response.status();
+  EXPECT_EQ(response->request_id(), "frame 7");
+  EXPECT_EQ(response->frame_id(), "kinect");
+  EXPECT_EQ(response->stamp().seconds(), 1'700'000'000);
+  EXPECT_EQ(response->stamp().nanos(), 5);
+}
+
+TEST(Segment, SendsOnlyWhatWasAskedFor) {
+  RunningServer server;
+  const auto labels_only = server.segment(request_for(wall_with_box()));
+  ASSERT_TRUE(labels_only.ok()) << labels_only.status();
+  EXPECT_TRUE(labels_only->result().has_labels());
+  EXPECT_EQ(labels_only->result().labels().data().compression(), v1alpha1::COMPRESSION_NONE);
+  EXPECT_FALSE(labels_only->result().has_supervoxels());
+  EXPECT_FALSE(labels_only->result().has_tree());
+
+  v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  request.mutable_outputs()->set_tree(true);
+  const auto tree_only = server.segment(request);
+  ASSERT_TRUE(tree_only.ok()) << tree_only.status();
+  EXPECT_FALSE(tree_only->result().has_labels());
+  EXPECT_TRUE(tree_only->result().has_tree());
+}
+
+TEST(Segment, TellsViewAndRuleAndTimings) {
+  RunningServer server;
+  const Cloud cloud = wall_with_box();
+  const wire::Result result =
+      ask(server, request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kBinaryCompressed)), cloud.size());
+  EXPECT_EQ(result.view, View::camera());
+  EXPECT_THAT(result.view_rule, testing::HasSubstr("CAMERA"));
+  EXPECT_GT(result.timings.decode, 0);
+  EXPECT_GT(result.timings.encode, 0);
+  EXPECT_GT(result.segmentation.timings.total, 0);
+  EXPECT_GE(result.timings.total, result.timings.decode + result.segmentation.timings.total + result.timings.encode);
+}
+
+TEST(Segment, ManyClientsAtOnceGetTheSameLabels) {
+  ServerOptions options = small_server();
+  options.workers = 3;
+  RunningServer server(options);
+  const v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  const std::string expected = server.segment(request)->result().labels().SerializeAsString();
+  std::vector<std::future<std::string>> answers;
+  for (int i = 0; i < 12; ++i) {
+    answers.push_back(std::async(std::launch::async, [&server, &request] {
+      return server.segment(request).value().result().labels().SerializeAsString();
+    }));
+  }
+  for (auto& answer : answers) EXPECT_EQ(answer.get(), expected);
+}
+
+}  // namespace
+}  // namespace segserve::server
