@@ -26,7 +26,7 @@ struct Range {
 
 Range robust_range(std::vector<double> values) {
   if (values.empty()) return {};
-  constexpr std::size_t kOutliers = 200;  // one of so many at either end
+  constexpr std::size_t kOutliers = 1000;  // one of so many at either end
   const auto cut = static_cast<std::ptrdiff_t>(values.size() / kOutliers);
   std::nth_element(values.begin(), values.begin() + cut, values.end());
   const double low = values[static_cast<std::size_t>(cut)];
@@ -115,7 +115,7 @@ Framing frame(const std::vector<Sight>& sights, std::uint32_t width, std::uint32
   }
   const Range u = robust_range(std::move(us));
   const Range v = robust_range(std::move(vs));
-  constexpr double kFilled = 0.92;
+  constexpr double kFilled = 0.88;
   constexpr double kLeast = 1e-9;  // all points in a line, or in one place
   const double scale = kFilled * std::min(width / std::max(u.size(), kLeast), height / std::max(v.size(), kLeast));
   const double covered = (scale * u.size() / width) * (scale * v.size() / height);
