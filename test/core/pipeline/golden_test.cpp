@@ -58,13 +58,13 @@ TEST_P(GoldenTest, AFusedRoomInTheWorldView) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllMethods, GoldenTest,
-                         testing::Values(Golden{Method::kColor, 0, 0},
-                                         Golden{Method::kGeometry, 0, 0},
-                                         Golden{Method::kLambda, 0, 0},
-                                         Golden{Method::kLambdaConvex, 0, 0},
-                                         Golden{Method::kEqualization, 0, 0},
-                                         Golden{Method::kEqualizationConvex, 0, 0},
-                                         Golden{Method::kFixedLambda, 0, 0}),
+                         testing::Values(Golden{Method::kColor, 0x17f0761100154cb1ULL, 0xe114be74865460d6ULL},
+                                         Golden{Method::kGeometry, 0xf07a6a3e50d16de6ULL, 0x6045136af17edbd0ULL},
+                                         Golden{Method::kLambda, 0x904534e415183869ULL, 0x40ec2fc34ef2c85eULL},
+                                         Golden{Method::kLambdaConvex, 0xd5d9104bfafabf77ULL, 0x402896fb17570151ULL},
+                                         Golden{Method::kEqualization, 0xf938c99ee479b3eeULL, 0xcd77885cffd03f69ULL},
+                                         Golden{Method::kEqualizationConvex, 0x568c7bccadac697fULL, 0xfb093fceaae73099ULL},
+                                         Golden{Method::kFixedLambda, 0x5817cfe37242e081ULL, 0x4dbc5271d356ac25ULL}),
                          [](const auto& param) {
                            std::string name(segserve::name(param.param.method));
                            std::erase(name, '-');
