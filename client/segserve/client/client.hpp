@@ -40,7 +40,7 @@ enum class Compress {
 
 struct CallOptions {
   std::optional<std::chrono::milliseconds> timeout = std::nullopt;  ///< unset: ClientOptions::timeout
-  std::string request_id;                                           ///< for the server's logs; at most 256 bytes
+  std::string request_id = {};                                      ///< for the server's logs; at most 256 bytes
   Compress compress = Compress::kWhenTooLarge;
   /// Which arrays the answer holds. With supervoxels and tree any cut can be made later without the
   /// server: cut_at_threshold, cut_to_regions, label_points of segserve::core.

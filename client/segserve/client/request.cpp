@@ -25,7 +25,15 @@ absl::Status check_size(std::uint64_t bytes, std::string_view what) {
   return wire::limit_exceeded(what, bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
 }
 
-/// Bytes of the planes without compression: what decides whether it is needed.
+/// The request if it is not too large.
+absl::StatusOr<v1alpha1::SegmentRequest> checked(absl::StatusOr<v1alpha1::SegmentRequest> request,
+                                                 std::string_view what) {
+  if (!request.ok()) return request;
+  if (absl::Status size = check_size(request->ByteSizeLong(), what); !size.ok()) return size;
+  return request;
+}
+
+/// Bytes of the planes without compression: tells early that there is no need to try.
 std::uint64_t raw_bytes(const CloudView& cloud) {
   return std::uint64_t{cloud.size()} * (3 * sizeof(float) + (cloud.has_color() ? 3 : 0));
 }
@@ -44,18 +52,17 @@ absl::StatusOr<v1alpha1::SegmentRequest> encode_planar(const CloudView& cloud, v
 absl::StatusOr<v1alpha1::SegmentRequest> planar_request(const CloudView& cloud, const Options& options,
                                                         const CallOptions& call) {
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
-  const bool too_large = raw_bytes(cloud) > wire::kMaxRequestBytes;
-  if (too_large && call.compress == Compress::kNever) {
-    return check_size(raw_bytes(cloud), "the cloud, sent without compression, has");
+  if (call.compress != Compress::kAlways) {
+    absl::Status raw = check_size(raw_bytes(cloud), "the cloud, not compressed, has");
+    if (raw.ok()) {
+      auto request = checked(encode_planar(cloud, v1alpha1::COMPRESSION_NONE, options, call), "the request has");
+      if (request.ok()) return request;
+      raw = request.status();
+    }
+    if (call.compress == Compress::kNever) return raw;
   }
-  const bool compress = too_large || call.compress == Compress::kAlways;
-  auto request =
-      encode_planar(cloud, compress ? v1alpha1::COMPRESSION_ZSTD : v1alpha1::COMPRESSION_NONE, options, call);
-  if (!request.ok()) return request;
-  absl::Status size =
-      check_size(request->ByteSizeLong(), compress ? "the request, with the cloud compressed, has" : "the request has");
-  if (!size.ok()) return size;
-  return request;
+  return checked(encode_planar(cloud, v1alpha1::COMPRESSION_ZSTD, options, call),
+                 "the request, with the cloud compressed, has");
 }
 
 absl::StatusOr<v1alpha1::SegmentRequest> pcd_request(std::string file_bytes, std::optional<View> view,
@@ -63,8 +70,7 @@ absl::StatusOr<v1alpha1::SegmentRequest> pcd_request(std::string file_bytes, std
   if (absl::Status size = check_size(file_bytes.size(), "the PCD file has"); !size.ok()) return size;
   v1alpha1::SegmentRequest request = request_without_cloud(options, call);
   *request.mutable_cloud() = wire::to_pcd_message(std::move(file_bytes), view);
-  if (absl::Status size = check_size(request.ByteSizeLong(), "the request has"); !size.ok()) return size;
-  return request;
+  return checked(std::move(request), "the request has");
 }
 
 }  // namespace segserve::client

@@ -1,0 +1,84 @@
+// What is sent, and what is refused before that.
+#include "segserve/client/request.hpp"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+#include "segserve/wire/limits.hpp"
+#include "segserve/wire/status.hpp"
+#include "test/client/scenes.hpp"
+
+namespace segserve::client {
+namespace {
+
+using testing::HasSubstr;
+
+v1alpha1::Compression compression_of(const v1alpha1::SegmentRequest& request) {
+  return request.cloud().planar().x().compression();
+}
+
+bool is_limit_exceeded(const absl::Status& status) {
+  return absl::IsInvalidArgument(status) && wire::details_of(status).reason == v1alpha1::ERROR_REASON_LIMIT_EXCEEDED;
+}
+
+TEST(Request, AnOrdinaryFrameIsSentRawUnlessAskedOtherwise) {
+  const Cloud frame = flat_cloud(640, 480);
+  const auto raw = planar_request(frame, {}, {});
+  ASSERT_TRUE(raw.ok()) << raw.status();
+  EXPECT_NE(compression_of(*raw), v1alpha1::COMPRESSION_ZSTD);
+  const auto compressed = planar_request(frame, {}, {.compress = Compress::kAlways});
+  ASSERT_TRUE(compressed.ok()) << compressed.status();
+  EXPECT_EQ(compression_of(*compressed), v1alpha1::COMPRESSION_ZSTD);
+  EXPECT_LT(compressed->ByteSizeLong(), raw->ByteSizeLong());
+}
+
+TEST(Request, ALargeCloudIsCompressedByItself) {
+  const auto request = planar_request(flat_cloud(1000, 700), {}, {});
+  ASSERT_TRUE(request.ok()) << request.status();
+  EXPECT_EQ(compression_of(*request), v1alpha1::COMPRESSION_ZSTD);
+  EXPECT_LE(request->ByteSizeLong(), wire::kMaxRequestBytes);
+}
+
+TEST(Request, ALargeCloudIsRefusedIfItMustNotBeCompressed) {
+  const auto request = planar_request(flat_cloud(1000, 700), {}, {.compress = Compress::kNever});
+  EXPECT_TRUE(is_limit_exceeded(request.status())) << request.status();
+  EXPECT_THAT(std::string(request.status().message()), HasSubstr("10500000 bytes"));
+}
+
+TEST(Request, NothingAboveTheLimitPasses) {
+  // Around the limit the few bytes around the planes decide; 15 bytes make a point.
+  const auto most = static_cast<std::uint32_t>(wire::kMaxRequestBytes / 15);
+  for (const std::uint32_t points : {most - 100, most - 1, most, most + 1}) {
+    const auto request = planar_request(incompressible_cloud(points), {}, {.compress = Compress::kNever});
+    EXPECT_EQ(request.ok(), points == most - 100) << points;
+    EXPECT_EQ(is_limit_exceeded(request.status()), !request.ok()) << request.status();
+    const auto compressed = planar_request(incompressible_cloud(points), {}, {});
+    ASSERT_TRUE(compressed.ok()) << compressed.status();
+    EXPECT_LE(compressed->ByteSizeLong(), wire::kMaxRequestBytes);
+  }
+  EXPECT_TRUE(is_limit_exceeded(planar_request(incompressible_cloud(2 * most), {}, {}).status()));
+}
+
+TEST(Request, APcdFileAboveTheLimitIsRefused) {
+  EXPECT_TRUE(pcd_request(std::string(1000, ' '), std::nullopt, {}, {}).ok());
+  const auto request = pcd_request(std::string(wire::kMaxRequestBytes, ' '), std::nullopt, {}, {});
+  EXPECT_TRUE(is_limit_exceeded(request.status())) << request.status();
+}
+
+TEST(Request, PlanesThatDoNotFitEachOtherAreRefused) {
+  const Cloud cloud = flat_cloud(8, 8);
+  CloudView torn = cloud;
+  torn.y = torn.y.first(60);
+  EXPECT_TRUE(absl::IsInvalidArgument(planar_request(torn, {}, {}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(planar_request(CloudView{}, {}, {}).status()));
+}
+
+TEST(Request, CarriesTheCallersName) {
+  const auto request = planar_request(flat_cloud(8, 8), {}, {.request_id = "robot-7/42"});
+  ASSERT_TRUE(request.ok()) << request.status();
+  EXPECT_EQ(request->request_id(), "robot-7/42");
+}
+
+}  // namespace
+}  // namespace segserve::client

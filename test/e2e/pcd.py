@@ -1,0 +1,33 @@
+"""The little of PCD that the tests need."""
+import struct
+
+
+def header(points, fields="x y z", size="4 4 4", kind="F F F", count="1 1 1", width=None, height=1, data="ascii"):
+    return (f"VERSION 0.7\nFIELDS {fields}\nSIZE {size}\nTYPE {kind}\nCOUNT {count}\n"
+            f"WIDTH {points if width is None else width}\nHEIGHT {height}\n"
+            f"VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {points}\nDATA {data}\n").encode()
+
+
+def ascii_file(points, colors=None):
+    """Points (x, y, z), with packed colours as unsigned integers if given."""
+    if colors is None:
+        return header(len(points)) + "".join(f"{x} {y} {z}\n" for x, y, z in points).encode()
+    rows = "".join(f"{x} {y} {z} {color}\n" for (x, y, z), color in zip(points, colors))
+    return header(len(points), "x y z rgb", "4 4 4 4", "F F F U", "1 1 1 1") + rows.encode()
+
+
+def binary_file(points):
+    return header(len(points), data="binary") + b"".join(struct.pack("<3f", *point) for point in points)
+
+
+def read_labels(path):
+    """The field `label`, the last one, of a binary PCD file of 4-byte fields."""
+    content = path.read_bytes()
+    start = content.index(b"DATA binary\n")
+    lines = dict(line.split(" ", 1) for line in content[:start].decode().splitlines() if " " in line)
+    fields = lines["FIELDS"].split()
+    assert fields[-1] == "label" and set(lines["SIZE"].split()) == {"4"}, lines
+    body = content[start + len(b"DATA binary\n"):]
+    labels = [row[-1] for row in struct.iter_unpack(f"<{len(fields)}I", body)]
+    assert len(labels) == int(lines["POINTS"])
+    return labels

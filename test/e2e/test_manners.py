@@ -1,0 +1,122 @@
+"""The manners of a command line: help, exit codes, standard streams, no partial files."""
+import json
+import subprocess
+import unittest
+
+from harness import BAD_INPUT, FAILED, SEGCTL, EndToEnd, segctl
+
+COMMANDS = ("segment", "cut", "synth", "info", "health")
+NOBODY = "127.0.0.1:1"
+
+
+class Help(EndToEnd):
+    def test_every_command_has_help_with_examples_and_exit_codes(self):
+        for command in COMMANDS:
+            text = self.run_well(command, "--help").stdout.decode()
+            self.assertIn("Examples:", text)
+            self.assertIn("Exit codes:", text)
+            self.assertIn(command, self.run_well("--help").stdout.decode())
+
+    def test_version(self):
+        self.assertRegex(self.run_well("--version").stdout.decode(), r"\Asegctl \d+\.\d+\.\d+\n\Z")
+
+    def test_every_option_of_the_server_is_a_flag(self):
+        options = json.loads(self.run_well("info", "--server", self.server.address, "--json", "-").stdout)["options"]
+        self.assertGreater(len(options), 5)
+        text = self.run_well("segment", "--help").stdout.decode()
+        for option in options:
+            self.assertIn("--" + option["name"].replace("_", "-"), text)
+
+
+class Usage(EndToEnd):
+    def test_wrong_usage(self):
+        for arguments in ((), ("dance",), ("segment",), ("segment", "a", "b"), ("segment", "a", "--no-such-flag"),
+                          ("segment", "-", "--threshold", "much"), ("segment", "-", "--local", "--server", NOBODY),
+                          ("segment", "-", "--local", "--zstd"), ("segment", "-", "--payload", "pcd", "--zstd"),
+                          ("segment", "-", "--timeout", "0"), ("segment", "-", "--timeout", "nan"),
+                          ("segment", "-", "-o", "x.xyz"), ("segment", "-", "-o", "x.ply", "--encoding", "binary_compressed"),
+                          ("segment", "-", "-o", "-", "--json", "-"), ("segment", "-", "-o", "/no/such/folder/x.pcd"),
+                          ("segment", "-", "--result", str(self.folder)), ("synth",), ("synth", "-o", "x.pcd", "--size", "2"),
+                          ("synth", "-o", "x.pcd", "--fused", "--width", "100"), ("synth", "-o", "x.pcd", "--width", "1"),
+                          ("health", "--server", ""), ("health", "--timeout", "-1")):
+            with self.subTest(arguments=arguments):
+                self.run_badly(BAD_INPUT, *arguments)
+
+    def test_a_hostile_name_stays_one_line(self):
+        line = self.run_badly(BAD_INPUT, "segment", "no\nsuch\x1b[2Jfile", "--local")
+        self.assertNotIn("\x1b", line)
+
+
+class Outputs(EndToEnd):
+    def test_nothing_is_left_behind_when_one_output_fails(self):
+        scene = self.synth("--width", "64", "--height", "48")
+        before = set(self.folder.iterdir())
+        cloud = self.path("out.pcd")
+        self.run_badly(FAILED, "segment", scene, "--local", "-o", cloud, "--result", "/dev/full")
+        self.assertEqual(set(self.folder.iterdir()), before)
+
+    def test_an_old_file_survives_a_failure(self):
+        old = self.path("old.pcd")
+        old.write_text("precious")
+        self.run_badly(BAD_INPUT, "segment", "-", "--local", "-o", old, stdin=b"no cloud")
+        self.assertEqual(old.read_text(), "precious")
+
+    def test_a_full_standard_output_is_reported(self):
+        scene = self.synth("--width", "64", "--height", "48")
+        with open("/dev/full", "wb") as full:
+            done = subprocess.run([SEGCTL, "segment", scene, "--local", "-o", "-"], stdout=full, stderr=subprocess.PIPE,
+                                  timeout=120)
+        self.assertEqual(done.returncode, FAILED)
+        self.assertRegex(done.stderr.decode(), r"\Asegctl: [^\n]*standard output[^\n]*\n\Z")
+
+    def test_a_symbolic_link_stays_one(self):
+        target, link = self.path("target.pcd"), self.path("link.pcd")
+        target.write_text("old")
+        link.symlink_to(target)
+        self.run_well("synth", "-q", "-o", link, "--width", "64", "--height", "48")
+        self.assertTrue(link.is_symlink())
+        self.assertIn(b"FIELDS", target.read_bytes()[:200])
+
+    def test_synth_is_reproducible_and_seeds_differ(self):
+        scenes = [self.synth("--seed", seed, "--width", "64", "--height", "48", name=f"{i}.pcd").read_bytes()
+                  for i, seed in enumerate(("1", "1", "2"))]
+        self.assertEqual(scenes[0], scenes[1])
+        self.assertNotEqual(scenes[0], scenes[2])
+
+    def test_quiet_prints_nothing(self):
+        scene = self.synth("--width", "64", "--height", "48")
+        self.assertEqual(self.run_well("segment", scene, "--local", "--quiet").stdout, b"")
+
+
+class Servers(EndToEnd):
+    def test_an_unreachable_server_is_a_failure_that_names_it(self):
+        scene = self.synth("--width", "64", "--height", "48")
+        output = self.path("out.pcd")
+        for command in (("segment", scene, "-o", output), ("info",), ("health",)):
+            self.assertIn(NOBODY, self.run_badly(FAILED, *command, "--server", NOBODY))
+        self.assertFalse(output.exists())
+
+    def test_the_address_comes_from_the_environment_unless_given(self):
+        here, nobody = {"SEGCTL_SERVER": self.server.address}, {"SEGCTL_SERVER": NOBODY}
+        self.assertIn(b"SERVING", self.run_well("health", environment=here).stdout)
+        self.run_badly(FAILED, "health", environment=nobody)
+        self.run_well("health", "--server", self.server.address, environment=nobody)
+        scene = self.synth("--width", "64", "--height", "48")
+        self.run_well("segment", scene, "--local", environment=nobody)
+
+    def test_info_as_text_and_json(self):
+        text = self.run_well("info", "--server", self.server.address).stdout.decode()
+        told = json.loads(self.run_well("info", "--server", self.server.address, "--json", "-").stdout)
+        self.assertEqual(told["limits"]["max_message_bytes"], 8 << 20)
+        self.assertIn({"name": "lambda-convex", "default_threshold": 0.15}, told["methods"])
+        self.assertIn(told["version"], text)
+
+    def test_time_over_is_a_failure(self):
+        scene = self.synth()
+        done = segctl("segment", scene, "--server", self.server.address, "--timeout", "0.001")
+        self.assertEqual((done.returncode, done.stdout), (FAILED, b""))
+        self.run_badly(FAILED, "segment", scene, "--local", "--timeout", "0.001")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,130 @@
+"""segctl segment: the server and this process agree, whatever the file's format."""
+import json
+import struct
+import unittest
+
+from harness import EndToEnd
+import pcd
+
+METHODS = ("color", "geometry", "lambda", "lambda-convex", "equalization", "equalization-convex", "fixed-lambda")
+SMALL = ("--width", "160", "--height", "120")
+
+
+class LocalAndRemote(EndToEnd):
+    def outputs(self, scene, *flags):
+        """The bytes of all output files."""
+        cloud, picture = self.path("out.pcd"), self.path("out.png")
+        self.run_well("segment", scene, "-o", cloud, "--picture", picture, "--quiet", *flags)
+        return cloud.read_bytes(), picture.read_bytes()
+
+    def test_give_the_same_files_byte_for_byte(self):
+        scene = self.synth("--seed", "11")
+        local = self.outputs(scene, "--local")
+        for payload in ((), ("--zstd",), ("--payload", "pcd")):
+            with self.subTest(payload=payload):
+                self.assertEqual(self.outputs(scene, "--server", self.server.address, *payload), local)
+
+    def test_agree_for_every_method_and_cut(self):
+        scene = self.synth(*SMALL)
+        for method in METHODS:
+            for cut in ((), ("--regions", "7"), ("--threshold", "0.3")):
+                with self.subTest(method=method, cut=cut):
+                    flags = ("--method", method, *cut)
+                    remote, told = self.segment(scene, *flags)
+                    self.assertEqual((remote, told["method"]), (self.segment_locally(scene, *flags)[0], method))
+
+    def test_agree_on_a_fused_room(self):
+        scene = self.synth("--fused", "--points", "30000")
+        flags = ("--voxel-resolution", "0.03", "--seed-resolution", "0.3")
+        self.assertEqual(self.segment(scene, *flags)[0], self.segment_locally(scene, *flags)[0])
+
+
+class Formats(EndToEnd):
+    def test_every_encoding_gives_the_same_labels(self):
+        scene = self.synth(*SMALL)
+        expected, _ = self.segment(scene)
+        self.assertGreater(max(expected), 1)
+        for name, encoding in (("a.pcd", "ascii"), ("b.pcd", "binary"), ("c.pcd", "binary_compressed"),
+                               ("a.ply", "ascii"), ("b.PLY", "binary")):
+            with self.subTest(name=name, encoding=encoding):
+                copy = self.path(name)
+                self.run_well("segment", scene, "--local", "-q", "-o", copy, "--encoding", encoding)
+                labels, _ = self.segment(copy, "--view", "camera")  # PLY does not know it
+                self.assertEqual(labels, expected)
+
+    def test_big_endian_ply_gives_the_same_labels(self):
+        points = [(0.01 * (i % 20), 0.01 * (i // 20), 1.0 + 0.1 * (i % 20 > 9)) for i in range(400)]
+        head = ("ply\nformat binary_big_endian 1.0\nelement vertex 400\nproperty float x\nproperty float y\n"
+                "property float z\nend_header\n")
+        ply, plain = self.path("big.ply"), self.path("plain.pcd")
+        ply.write_bytes(head.encode() + b"".join(struct.pack(">3f", *p) for p in points))
+        plain.write_bytes(pcd.binary_file(points))
+        self.assertEqual(self.segment(ply, "--view", "world")[0], self.segment(plain, "--view", "world")[0])
+
+    def test_standard_streams(self):
+        scene = self.synth(*SMALL)
+        named = self.path("named.pcd")
+        self.run_well("segment", scene, "--local", "-q", "-o", named)
+        piped = self.run_well("segment", "-", "--local", "-o", "-", stdin=scene.read_bytes())
+        self.assertEqual(piped.stdout, named.read_bytes())
+
+    def test_the_own_colour_is_kept_unless_asked_otherwise(self):
+        scene = self.path("red.pcd")
+        scene.write_bytes(pcd.ascii_file([(0.01 * i, 0.0, 1.0) for i in range(50)], [0xFF0000] * 50))
+        own, painted = self.path("own.pcd"), self.path("painted.pcd")
+        self.run_well("segment", scene, "--local", "-q", "-o", own, "--encoding", "ascii")
+        self.run_well("segment", scene, "--local", "-q", "-o", painted, "--encoding", "ascii", "--color", "segment")
+        self.assertIn(b"rgb label", own.read_bytes())
+        rows = [line.split() for line in own.read_text().split("DATA ascii\n")[1].splitlines()]
+        colors = [line.split()[3] for line in painted.read_text().split("DATA ascii\n")[1].splitlines()]
+        self.assertEqual(len(rows), 50)
+        self.assertNotEqual([row[3] for row in rows], colors)
+
+    def test_a_picture_is_a_png(self):
+        scene, picture = self.synth(*SMALL), self.path("segments.png")
+        self.run_well("segment", scene, "--local", "-q", "--picture", picture)
+        content = picture.read_bytes()
+        self.assertEqual(content[:8], b"\x89PNG\r\n\x1a\n")
+        self.assertEqual(struct.unpack(">2I", content[16:24]), (160, 120))
+
+
+class Summary(EndToEnd):
+    KEYS = {"points", "finite", "supervoxels", "segments", "method", "threshold", "timings_ms"}
+
+    def test_json_tells_everything_promised(self):
+        scene = self.synth(*SMALL)
+        for where in (("--local",), ("--server", self.server.address)):
+            labels, told = self._segment(scene, *where)
+            self.assertLessEqual(self.KEYS, told.keys())
+            self.assertEqual(told["points"], 160 * 120)
+            self.assertEqual(told["finite"], sum(label > 0 for label in labels))
+            self.assertEqual(told["segments"], max(labels))
+            self.assertEqual((told["method"], told["threshold"], told["regions"]), ("lambda-convex", 0.15, None))
+            self.assertEqual(told["view"], "camera")
+            self.assertGreater(told["timings_ms"]["total"], 0)
+
+    def test_threshold_is_null_after_a_cut_at_regions(self):
+        labels, told = self.segment(self.synth(*SMALL), "--regions", "6")
+        self.assertEqual((told["threshold"], told["regions"], told["segments"], max(labels)), (None, 6, 6, 6))
+
+    def test_segments_are_numbered_by_descending_size(self):
+        labels, told = self.segment(self.synth(*SMALL))
+        sizes = [labels.count(s) for s in range(1, told["segments"] + 1)]
+        self.assertEqual(sizes, sorted(sizes, reverse=True))
+        self.assertEqual(sizes, told["segment_points"])
+
+    def test_json_goes_to_a_file_beside_the_text(self):
+        target = self.path("summary.json")
+        done = self.run_well("segment", self.synth(*SMALL), "--local", "--json", target)
+        self.assertEqual(json.loads(target.read_text())["points"], 160 * 120)
+        self.assertIn(b"19200 points", done.stdout)
+
+    def test_the_view_is_the_files_or_the_callers(self):
+        scene = self.synth(*SMALL)
+        self.assertEqual(self.segment(scene, "--view", "world:0,0,-0.5")[1]["view"], "world:0,0,-0.5")
+        for payload in ("planar", "pcd"):
+            self.assertIn("CAMERA", self.segment(scene, "--payload", payload)[1]["view_rule"])
+
+
+if __name__ == "__main__":
+    unittest.main()
