@@ -18,12 +18,18 @@
 namespace segserve {
 
 /// What the paper calls modular: how unlike two adjacent regions are, and what becomes of them.
+///
+/// `Evidence` is what a metric keeps of an edge; where two edges become one, theirs is added up.
+/// `dissimilarity` decides the order of the merges, and must give the same bits for (a, b) and (b, a);
+/// `weight` maps it to [0, 1], where it may saturate.
 template <typename T>
-concept Metric = requires(T metric, const T& constant, std::uint32_t r) {
+concept Metric = requires(T metric, const T& constant, typename T::Evidence evidence, std::uint32_t r, double d) {
   { constant.region_count() } -> std::convertible_to<std::size_t>;
   { constant.points(r) } -> std::convertible_to<std::uint32_t>;
-  { constant.dissimilarity(r, r) } -> std::convertible_to<double>;
+  { constant.dissimilarity(r, r, evidence) } -> std::convertible_to<double>;
+  { constant.weight(d) } -> std::convertible_to<double>;
   metric.merge(r, r);
+  evidence += evidence;
 };
 
 /// The merging process of section 2.1: while edges are left, the two regions of the smallest weight
@@ -32,12 +38,16 @@ concept Metric = requires(T metric, const T& constant, std::uint32_t r) {
 template <Metric M>
 class Merger {
  public:
-  Merger(std::span<const RegionEdge> edges, M& metric)
+  using Evidence = typename M::Evidence;
+
+  /// `evidence` has one entry an edge.
+  Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, M& metric)
       : metric_(metric), links_(metric.region_count()), best_(metric.region_count(), Edge{}) {
-    for (const auto& [a, b] : edges) {
-      const double weight = metric_.dissimilarity(a, b);
-      links_[a].push_back({b, weight});
-      links_[b].push_back({a, weight});
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      const auto [a, b] = edges[e];
+      const double dissimilarity = metric_.dissimilarity(a, b, evidence[e]);
+      links_[a].push_back({b, dissimilarity, evidence[e]});
+      links_[b].push_back({a, dissimilarity, evidence[e]});
     }
     for (std::vector<Link>& links : links_) std::ranges::sort(links, {}, &Link::region);
     for (std::uint32_t r = 0; r < links_.size(); ++r) find_best(r);
@@ -48,12 +58,12 @@ class Merger {
     std::vector<std::uint32_t> points(links_.size());
     for (std::uint32_t r = 0; r < points.size(); ++r) points[r] = metric_.points(r);
     TreeBuilder tree(std::move(points));
-    for (std::size_t row = 0; best_.winner().weight < kNone; ++row) {
+    for (std::size_t row = 0; best_.winner().dissimilarity < kNone; ++row) {
       if (row % kStopInterval == 0) {
         if (absl::Status status = stop.check(); !status.ok()) return status;
       }
       const Edge edge = best_.winner();
-      tree.merge(edge.a, edge.b, edge.weight);
+      tree.merge(edge.a, edge.b, metric_.weight(edge.dissimilarity));
       unite(edge.a, edge.b);
     }
     tree.join_components();
@@ -65,14 +75,15 @@ class Merger {
 
   struct Link {
     std::uint32_t region;
-    double weight;
+    double dissimilarity;
+    [[no_unique_address]] Evidence evidence;
   };
 
-  /// Equal weights: the smaller ids first.
+  /// Equal dissimilarities: the smaller ids first.
   struct Edge {
-    double weight = kNone;
+    double dissimilarity = kNone;
     std::uint32_t a = 0, b = 0;
-    bool operator<(const Edge& o) const { return std::tie(weight, a, b) < std::tie(o.weight, o.a, o.b); }
+    bool operator<(const Edge& o) const { return std::tie(dissimilarity, a, b) < std::tie(o.dissimilarity, o.a, o.b); }
   };
 
   /// r_p takes over r_q (p < q), its points and its edges.
@@ -82,8 +93,8 @@ class Merger {
     links_[q] = {};
     best_.set(q, Edge{});
     for (Link& link : links_[p]) {
-      link.weight = metric_.dissimilarity(p, link.region);
-      replace_links(link.region, p, q, link.weight);
+      link.dissimilarity = metric_.dissimilarity(p, link.region, link.evidence);
+      replace_links(link, p, q);
     }
     find_best(p);
   }
@@ -92,27 +103,35 @@ class Merger {
   void unite_links(std::uint32_t p, std::uint32_t q) {
     united_.clear();
     std::ranges::merge(links_[p], links_[q], std::back_inserter(united_), {}, &Link::region, &Link::region);
-    const auto [last, end] = std::ranges::unique(united_, {}, &Link::region);
-    united_.erase(last, end);
-    std::erase_if(united_, [&](const Link& link) { return link.region == p || link.region == q; });
-    links_[p].assign(united_.begin(), united_.end());
+    std::vector<Link>& links = links_[p];
+    links.clear();
+    for (const Link& link : united_) {
+      if (link.region == p || link.region == q) continue;
+      if (!links.empty() && links.back().region == link.region) {
+        links.back().evidence += link.evidence;
+      } else {
+        links.push_back(link);
+      }
+    }
   }
 
-  /// In the list of a neighbour n, one link to p in place of those to p and q.
-  void replace_links(std::uint32_t n, std::uint32_t p, std::uint32_t q, double weight) {
+  /// In the list of the neighbour that `link` of region p leads to, one link back to p in place of
+  /// those to p and q.
+  void replace_links(const Link& link, std::uint32_t p, std::uint32_t q) {
+    const std::uint32_t n = link.region;
     std::vector<Link>& links = links_[n];
     const auto at = [&](std::uint32_t region) { return std::ranges::lower_bound(links, region, {}, &Link::region); };
-    if (const auto link = at(q); link != links.end() && link->region == q) links.erase(link);
-    const auto link = at(p);
-    if (link != links.end() && link->region == p) {
-      link->weight = weight;
+    if (const auto old = at(q); old != links.end() && old->region == q) links.erase(old);
+    const Link back{p, link.dissimilarity, link.evidence};
+    if (const auto old = at(p); old != links.end() && old->region == p) {
+      *old = back;
     } else {
-      links.insert(link, {p, weight});
+      links.insert(old, back);
     }
     const Edge& best = best_[n];
-    if (best.weight < kNone && (best.b == p || best.b == q)) {
+    if (best.dissimilarity < kNone && (best.b == p || best.b == q)) {
       find_best(n);
-    } else if (const Edge edge{weight, n, p}; n < p && edge < best) {
+    } else if (const Edge edge{link.dissimilarity, n, p}; n < p && edge < best) {
       best_.set(n, edge);
     }
   }
@@ -122,7 +141,7 @@ class Merger {
     Edge best;
     const std::vector<Link>& links = links_[r];
     for (auto link = std::ranges::upper_bound(links, r, {}, &Link::region); link != links.end(); ++link) {
-      best = std::min(best, Edge{link->weight, r, link->region});
+      best = std::min(best, Edge{link->dissimilarity, r, link->region});
     }
     best_.set(r, best);
   }
@@ -135,8 +154,10 @@ class Merger {
 
 /// The merge tree of a graph under a metric, which is used up. CANCELLED, DEADLINE_EXCEEDED.
 template <Metric M>
-absl::StatusOr<MergeTree> merge_regions(std::span<const RegionEdge> edges, M& metric, const StopToken& stop = {}) {
-  return Merger<M>(edges, metric).run(stop);
+absl::StatusOr<MergeTree> merge_regions(std::span<const RegionEdge> edges,
+                                        std::span<const typename M::Evidence> evidence, M& metric,
+                                        const StopToken& stop = {}) {
+  return Merger<M>(edges, evidence, metric).run(stop);
 }
 
 }  // namespace segserve

@@ -50,7 +50,7 @@ PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Optio
   unification_ = learn(options, color, geometry);
 }
 
-double PaperMetric::dissimilarity(std::uint32_t i, std::uint32_t j) const {
+double PaperMetric::dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence&) const {
   return unification_(color_distance(i, j), geometry_distance(i, j));
 }
 

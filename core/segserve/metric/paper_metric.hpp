@@ -22,13 +22,19 @@ bool is_convex(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj);
 /// transformations T_C and T_G are learnt once, over the edges of the initial graph.
 class PaperMetric {
  public:
+  /// The paper's weights follow from the regions alone: nothing is kept of an edge.
+  struct Evidence {
+    Evidence& operator+=(const Evidence&) { return *this; }
+  };
+
   PaperMetric(const RegionGraph& graph, const View& view, const Options& options);
 
   std::size_t region_count() const { return regions_.size(); }
   std::uint32_t points(std::uint32_t r) const { return regions_[r].points; }
 
   /// delta(r_i, r_j) in [0, 1].
-  double dissimilarity(std::uint32_t i, std::uint32_t j) const;
+  double dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence& = {}) const;
+  double weight(double dissimilarity) const { return dissimilarity; }
 
   /// Region `from` joins region `into`.
   void merge(std::uint32_t into, std::uint32_t from);

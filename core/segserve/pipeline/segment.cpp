@@ -99,7 +99,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.graph = watch.lap();
 
   // The two most similar regions become one, again and again: the dendrogram D.
-  absl::StatusOr<MergeTree> tree = merge_regions(graph.edges, metric, stop);
+  absl::StatusOr<MergeTree> tree = merge_regions<PaperMetric>(
+      graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), metric, stop);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);
   timings.merging = watch.lap();

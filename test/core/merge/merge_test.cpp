@@ -77,7 +77,7 @@ TEST_P(MergeOracle, TheFastLoopEqualsTheNaiveOneMergeByMerge) {
       const RegionGraph graph = random_graph(random, regions, density);
       PaperMetric metric(graph, View::camera(), options);
       const MergeTree expected = merge_naively(graph, metric);
-      const absl::StatusOr<MergeTree> tree = merge_regions(graph.edges, metric);
+      const absl::StatusOr<MergeTree> tree = merge_regions<PaperMetric>(graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), metric);
       ASSERT_TRUE(tree.ok());
       EXPECT_TRUE(*tree == expected) << regions << " regions, density " << density << ", trial " << trial;
       EXPECT_TRUE(check(*tree).ok()) << check(*tree);
@@ -94,17 +94,29 @@ INSTANTIATE_TEST_SUITE_P(AllMethods, MergeOracle, testing::ValuesIn(all_methods(
 
 /// Weights by the smaller ids of the regions, never changed.
 struct TableMetric {
-  std::vector<std::vector<double>> weight;
-  std::size_t region_count() const { return weight.size(); }
+  struct Evidence {
+    int edges = 1;
+    Evidence& operator+=(const Evidence& o) { return edges += o.edges, *this; }
+  };
+  std::vector<std::vector<double>> table;
+  std::size_t region_count() const { return table.size(); }
   std::uint32_t points(std::uint32_t r) const { return 10 * (r + 1); }
-  double dissimilarity(std::uint32_t a, std::uint32_t b) const { return weight[std::min(a, b)][std::max(a, b)]; }
+  double dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence&) const {
+    return table[std::min(a, b)][std::max(a, b)];
+  }
+  double weight(double dissimilarity) const { return dissimilarity; }
   void merge(std::uint32_t, std::uint32_t) {}
 };
+
+template <Metric M>
+absl::StatusOr<MergeTree> merge(const std::vector<RegionEdge>& edges, M& metric, const StopToken& stop = {}) {
+  return merge_regions<M>(edges, std::vector<typename M::Evidence>(edges.size()), metric, stop);
+}
 
 TEST(Merge, NumbersNodesAsSciPyAndTakesTheSmallerIdsFirst) {
   TableMetric metric{{{0, .3, 0, 0}, {0, 0, .1, .3}, {0, 0, 0, .1}, {0, 0, 0, 0}}};
   const std::vector<RegionEdge> edges{{0, 1}, {1, 2}, {1, 3}, {2, 3}};
-  const MergeTree tree = *merge_regions(std::span<const RegionEdge>(edges), metric);
+  const MergeTree tree = *merge(edges, metric);
   EXPECT_EQ(tree.left, (std::vector<std::uint32_t>{1, 0, 3}));
   EXPECT_EQ(tree.right, (std::vector<std::uint32_t>{2, 4, 5}));
   EXPECT_EQ(tree.weight, (std::vector<double>{.1, .3, 0}));  // 0-3 never had a weight of its own: 0 in the table
@@ -116,7 +128,7 @@ TEST(Merge, NumbersNodesAsSciPyAndTakesTheSmallerIdsFirst) {
 TEST(Merge, JoinsComponentsLastAndSmallestFirst) {
   TableMetric metric{std::vector(4, std::vector<double>(4, 0.2))};
   const std::vector<RegionEdge> edges{{0, 1}};
-  const MergeTree tree = *merge_regions(std::span<const RegionEdge>(edges), metric);
+  const MergeTree tree = *merge(edges, metric);
   // Components of 30 (0 and 1), 30 (2) and 40 (3) points: the two of 30 first.
   EXPECT_EQ(tree.kind, (std::vector{MergeKind::kMerged, MergeKind::kJoined, MergeKind::kJoined}));
   EXPECT_EQ(tree.points, (std::vector<std::uint32_t>{30, 60, 100}));
@@ -125,9 +137,22 @@ TEST(Merge, JoinsComponentsLastAndSmallestFirst) {
   EXPECT_EQ(tree.right, (std::vector<std::uint32_t>{1, 4, 5}));
 }
 
+/// How many of the initial edges an edge stands for.
+struct CountingMetric : TableMetric {
+  double dissimilarity(std::uint32_t, std::uint32_t, const Evidence& evidence) const { return 0.1 * evidence.edges; }
+};
+
+TEST(Merge, AddsUpTheEvidenceOfEdgesThatBecomeOne) {
+  CountingMetric metric{{std::vector(4, std::vector<double>(4))}};
+  // 0-1 first; then 2 touches the new region by two edges, 3 by one: 3 comes first; then 2 by two.
+  const MergeTree tree = *merge({{0, 1}, {0, 2}, {0, 3}, {1, 2}}, metric);
+  EXPECT_EQ(tree.weight, (std::vector<double>{0.1, 0.1, 0.2}));
+  EXPECT_EQ(tree.left, (std::vector<std::uint32_t>{0, 3, 2}));
+}
+
 TEST(Merge, OfNothingIsAnEmptyTree) {
   TableMetric metric;
-  const MergeTree tree = *merge_regions(std::span<const RegionEdge>(), metric);
+  const MergeTree tree = *merge({}, metric);
   EXPECT_EQ(tree.leaf_count(), 0U);
   EXPECT_EQ(tree.row_count(), 0U);
 }
@@ -136,7 +161,7 @@ TEST(Merge, StopsWhenAsked) {
   TableMetric metric{std::vector(4, std::vector<double>(4, 0.2))};
   const std::vector<RegionEdge> edges{{0, 1}};
   const std::atomic<bool> cancelled = true;
-  EXPECT_EQ(merge_regions(std::span<const RegionEdge>(edges), metric, StopToken(&cancelled)).status().code(),
+  EXPECT_EQ(merge(edges, metric, StopToken(&cancelled)).status().code(),
             absl::StatusCode::kCancelled);
 }
 
