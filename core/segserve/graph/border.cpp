@@ -1,0 +1,45 @@
+#include "segserve/graph/border.hpp"
+
+#include <algorithm>
+
+#include "segserve/math/elementary.hpp"
+
+namespace segserve {
+namespace {
+
+/// Angle of the normals in degrees where the pair is concave, else 0.
+double concave_angle(const Vec3& xa, const Vec3& na, const Vec3& xb, const Vec3& nb) {
+  if (dot(na - nb, xa - xb) >= 0 || na == Vec3{} || nb == Vec3{}) return 0;
+  return math::atan2(norm(cross(na, nb)), dot(na, nb)) / math::kDegree;
+}
+
+}  // namespace
+
+std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
+                                    double dead_zone) {
+  // Edges with the same smaller region stand together: (a, b) is found by a search among those of a.
+  std::vector<std::size_t> first_edge(graph.regions.size() + 1, graph.edges.size());
+  for (std::size_t e = graph.edges.size(); e-- > 0;) first_edge[graph.edges[e].a] = e;
+  for (std::size_t r = graph.regions.size(); r-- > 0;) first_edge[r] = std::min(first_edge[r], first_edge[r + 1]);
+  std::vector<Border> borders(graph.edges.size());
+  for (std::uint32_t v = 0; v < grid.size(); ++v) {
+    const std::uint32_t s = supervoxels.of_voxel[v];
+    for (const std::uint32_t u : adjacency.of(v)) {
+      const std::uint32_t t = supervoxels.of_voxel[u];
+      if (u < v || s == t) continue;
+      const auto [a, b] = std::minmax(s, t);
+      const auto begin = graph.edges.begin() + static_cast<std::ptrdiff_t>(first_edge[a]);
+      const auto end = graph.edges.begin() + static_cast<std::ptrdiff_t>(first_edge[a + 1]);
+      const auto edge = std::lower_bound(begin, end, b, [](const RegionEdge& e, std::uint32_t id) { return e.b < id; });
+      Border& border = borders[static_cast<std::size_t>(edge - graph.edges.begin())];
+      border.voxel_pairs += 1;
+      border.concavity +=
+          std::max(0.0, concave_angle(grid.centroid[v], normals[v], grid.centroid[u], normals[u]) - dead_zone);
+    }
+  }
+  for (Border& border : borders) border.concavity /= border.voxel_pairs;
+  return borders;
+}
+
+}  // namespace segserve

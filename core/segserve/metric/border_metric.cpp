@@ -1,0 +1,74 @@
+#include "segserve/metric/border_metric.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "segserve/math/elementary.hpp"
+#include "segserve/metric/color.hpp"
+
+namespace segserve {
+namespace {
+
+double angle_degrees(const Vec3& a, const Vec3& b) { return math::atan2(norm(cross(a, b)), dot(a, b)) / math::kDegree; }
+
+}  // namespace
+
+bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, double voxel, double seed) {
+  const Vec3 d = xi - xj;
+  const Vec3 x = cross(ni, nj);
+  const double sine = norm(x);
+  const double angle = angle_degrees(ni, nj);
+  // Sanity: the line between the centroids must not run along the fold. A perfect plane has no fold.
+  bool sane = true;
+  if (sine >= 1e-6 && norm(d) > 0) {
+    const double along = angle_degrees(x, d);
+    sane = std::min(along, 180 - along) >= 60 / (1 + math::exp(-0.25 * (angle - 25)));
+  }
+  // Smoothness: no step between the two surfaces.
+  const bool smooth = (std::min(std::fabs(dot(d, ni)), std::fabs(dot(d, nj))) - sine * seed) / voxel <= 0.1;
+  const bool convex = dot(ni - nj, d) >= 0 || angle < 10;
+  return !(sane && smooth && convex);
+}
+
+std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, const std::vector<Border>& borders,
+                                                    double voxel, double seed, const BorderOptions& options) {
+  std::vector<Vec3> normal;
+  std::vector<Lab> color;
+  for (const Region& region : graph.regions) {
+    normal.push_back(unit(region.normal_sum));
+    color.push_back(srgb_to_lab((1.0 / region.points) * region.color_sum));
+  }
+  std::vector<BorderMetric::Evidence> evidence;
+  evidence.reserve(graph.edges.size());
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    const auto [a, b] = graph.edges[e];
+    const bool cut = is_cut(graph.regions[a].centroid, normal[a], graph.regions[b].centroid, normal[b], voxel, seed);
+    const double z = (cut ? options.cut_weight : 0) + options.concavity_weight * borders[e].concavity +
+                     options.color_weight * ciede2000(color[a], color[b]);
+    evidence.push_back({borders[e].voxel_pairs, borders[e].voxel_pairs * z});
+  }
+  return evidence;
+}
+
+BorderMetric::BorderMetric(const RegionGraph& graph, std::vector<double> area, const BorderOptions& options)
+    : options_(options), area_(std::move(area)) {
+  for (const Region& region : graph.regions) points_.push_back(region.points);
+}
+
+double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence& evidence) const {
+  const double size = std::max(1.0, std::min(area_[a], area_[b]) / options_.size_area);
+  constexpr double kLn2 = 0.69314718055994530942;
+  return evidence.weighted / evidence.pairs - options_.bias + options_.size_weight * math::ln(size) / kLn2;
+}
+
+double BorderMetric::weight(double dissimilarity) const {
+  return 1 / (1 + math::exp(-std::clamp(dissimilarity, -700.0, 700.0)));
+}
+
+void BorderMetric::merge(std::uint32_t into, std::uint32_t from) {
+  area_[into] += area_[from];
+  points_[into] += points_[from];
+}
+
+}  // namespace segserve

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/math/vec3.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+#include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/voxel_grid.hpp"
+
+namespace segserve {
+
+/// How `refine_normals` weighs a neighbour.
+struct EdgeAwareOptions {
+  double angle = 20;      ///< between the first normals at which the weight has fallen to 1/e, degrees
+  double offset = 0.25;   ///< standard deviation of the distance from the other's plane, voxels
+  double support = 2.5;   ///< sum of weights below which the first normal stays
+};
+
+/// Normals that are not averaged across edges: refits each voxel's plane to the centroids of itself and of
+/// its distinct neighbours and their neighbours, weighted by
+///     exp(-(T / angle)^2 - min(ov^2, ou^2) / (2 (offset voxel)^2)),
+/// T the angle between the first normals, ov and ou the distances of each centroid from the plane through the
+/// other. `normals` (V) holds the first normals, turned to one side, and gets the new ones on the same side.
+/// In a CAMERA view the size of a voxel is voxel_resolution * z. CANCELLED, DEADLINE_EXCEEDED.
+absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
+                            double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
+                            const StopToken& stop, std::vector<Vec3>& normals);
+
+}  // namespace segserve
