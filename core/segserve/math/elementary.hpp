@@ -52,4 +52,15 @@ std::int32_t floor_to_int(Real x) {
   return truncated - static_cast<std::int32_t>(x < static_cast<Real>(truncated));
 }
 
+/// e^x in single precision for -80 <= x <= 80, branch-free as well; relative error below 4e-7.
+inline float exp(float x) {
+  // x = n ln 2 + r with |r| <= ln 2 / 2, then Taylor's series of e^r times 2^n.
+  const std::int32_t n = floor_to_int(x * 1.44269504F + 0.5F);
+  const auto m = static_cast<float>(n);
+  const float r = (x - m * 0.693359375F) - m * -2.12194440e-4F;
+  const float series =
+      1.0F + r * (1.0F + r * (1.0F / 2 + r * (1.0F / 6 + r * (1.0F / 24 + r * (1.0F / 120 + r * (1.0F / 720))))));
+  return series * std::bit_cast<float>((n + 127) << 23);
+}
+
 }  // namespace segserve::math

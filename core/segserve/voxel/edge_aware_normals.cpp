@@ -1,6 +1,7 @@
 #include "segserve/voxel/edge_aware_normals.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "segserve/math/elementary.hpp"
 #include "segserve/math/symmetric3.hpp"
@@ -47,40 +48,53 @@ class Refit {
   }
 
   /// `voxel`: the edge of a voxel at v, metres.
-  Vec3 normal(std::uint32_t v, const std::vector<std::uint32_t>& neighbors, double voxel) const {
-    const Vec3& xv = grid_.centroid[v];
-    const Vec3& nv = first_[v];
-    const double sigma = options_.offset * voxel;
-    const double offset_scale = 1 / (2 * sigma * sigma);
-    double weights = 1;  // of v itself, at the origin
+  Vec3 normal(std::uint32_t v, const std::vector<std::uint32_t>& neighbors, double voxel) {
+    weigh(v, neighbors, voxel);
+    double total = 1;  // v itself, at the origin
     Vec3 sum;
     Symmetric3 square;
-    for (const std::uint32_t u : neighbors) {
-      const Vec3 d = grid_.centroid[u] - xv;
-      const double ov = dot(nv, d), ou = dot(first_[u], d);
-      // T^2 = 2 (1 - cos T) up to the fourth order.
-      const double exponent =
-          angle_scale_ * (1 - dot(nv, first_[u])) + offset_scale * std::min(ov * ov, ou * ou);
-      if (exponent > kNegligible) continue;
-      const double w = math::exp(-exponent);
-      weights += w;
-      sum += w * d;
-      square += w * outer(d);
+    for (std::size_t i = 0; i < neighbors.size(); ++i) {
+      const double w = weight_[i];
+      const Vec3 wd = w * offset_[i];
+      total += w;
+      sum += wd;
+      square += {wd.x * offset_[i].x, wd.x * offset_[i].y, wd.x * offset_[i].z,
+                 wd.y * offset_[i].y, wd.y * offset_[i].z, wd.z * offset_[i].z};
     }
-    if (weights <= options_.support) return nv;
-    square += (-1 / weights) * outer(sum);
+    if (total <= options_.support) return first_[v];
+    square += (-1 / total) * outer(sum);
     const Vec3 refitted = smallest_eigenvector(square);
-    if (refitted == Vec3{}) return nv;
-    return dot(refitted, nv) < 0 ? -refitted : refitted;
+    if (refitted == Vec3{}) return first_[v];
+    return dot(refitted, first_[v]) < 0 ? -refitted : refitted;
   }
 
  private:
-  static constexpr double kNegligible = 16;  // a weight of 1e-7
+  /// Offsets of the neighbours from v, and their weights. The exponentials are a loop of their own, which
+  /// vectorises: they took half of the time.
+  void weigh(std::uint32_t v, const std::vector<std::uint32_t>& neighbors, double voxel) {
+    const double sigma = options_.offset * voxel;
+    const double offset_scale = 1 / (2 * sigma * sigma);
+    for (std::size_t i = 0; i < neighbors.size(); ++i) {
+      const std::uint32_t u = neighbors[i];
+      const Vec3 d = grid_.centroid[u] - grid_.centroid[v];
+      const double ov = dot(first_[v], d), ou = dot(first_[u], d);
+      // T^2 = 2 (1 - cos T) up to the fourth order.
+      const double exponent =
+          angle_scale_ * (1 - dot(first_[v], first_[u])) + offset_scale * std::min(ov * ov, ou * ou);
+      offset_[i] = d;
+      weight_[i] = static_cast<float>(-std::min(exponent, 80.0));
+    }
+    for (std::size_t i = 0; i < neighbors.size(); ++i) weight_[i] = math::exp(weight_[i]);
+  }
+
+  static constexpr std::size_t kMostNeighbors = 5 * 5 * 5 - 1;
 
   const VoxelGrid& grid_;
   const std::vector<Vec3>& first_;
   const EdgeAwareOptions& options_;
   double angle_scale_;
+  std::array<Vec3, kMostNeighbors> offset_;
+  std::array<float, kMostNeighbors> weight_;
 };
 
 }  // namespace
@@ -90,9 +104,9 @@ absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacen
                             const StopToken& stop, std::vector<Vec3>& normals) {
   constexpr std::size_t kStopInterval = 2048;
   const std::vector<Vec3> first = normals;
-  const Refit refit(grid, first, options);
   parallel_ranges(grid.size(), threads, [&](std::size_t begin, std::size_t end) {
     TwoRings rings(adjacency);
+    Refit refit(grid, first, options);
     for (std::size_t i = begin; i < end; ++i) {
       if ((i - begin) % kStopInterval == 0 && stop.stopped()) return;
       const auto v = static_cast<std::uint32_t>(i);
