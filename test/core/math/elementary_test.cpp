@@ -44,6 +44,11 @@ TEST(Elementary, SinglePrecisionLogarithm) {
   EXPECT_EQ(ln(1.0F), 0.0F);
 }
 
+TEST(Elementary, SinglePrecisionExponential) {
+  for (float x = -80; x <= 80; x += 0.0137F) EXPECT_NEAR(exp(x) / std::exp(x), 1, 1e-6F) << x;
+  EXPECT_EQ(exp(0.0F), 1.0F);
+}
+
 TEST(Elementary, FloorGoesDownOnBothSidesOfZero) {
   EXPECT_EQ(floor_to_int(1.5F), 1);
   EXPECT_EQ(floor_to_int(-1.5F), -2);
