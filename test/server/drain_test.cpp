@@ -85,6 +85,19 @@ TEST_F(Drain, AnOpenHealthWatchDoesNotHoldIt) {
   EXPECT_EQ(stopped.wait_for(10s), std::future_status::ready) << "of a grace period of 20 s";
 }
 
+TEST_F(Drain, AnIdleServerStillTellsLateCallsToGoElsewhere) {
+  ServerOptions options = small_server();
+  options.drain_delay = 1s;
+  RunningServer server(options);
+  ASSERT_TRUE(server.segment(request_).ok());
+  auto stopped = stop_later(server);
+  absl::Status refused;
+  ASSERT_TRUE(eventually([&] { return !(refused = server.segment(request_).status()).ok(); }));
+  EXPECT_EQ(refused.code(), absl::StatusCode::kUnavailable) << refused;
+  EXPECT_EQ(wire::details_of(refused).reason, v1alpha1::ERROR_REASON_DRAINING);
+  EXPECT_TRUE(stopped.get());
+}
+
 TEST_F(Drain, StoppingTwiceIsFine) {
   RunningServer server;
   EXPECT_TRUE(server.server().stop());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <future>
 #include <memory>
 #include <utility>
@@ -18,6 +19,7 @@ inline ServerOptions small_server() {
   ServerOptions options;
   options.listen = "127.0.0.1:0";
   options.workers = 1;
+  options.drain_delay = std::chrono::milliseconds(0);
   return options;
 }
 

@@ -27,12 +27,22 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels = {
     {"error", spdlog::level::err},   {"off", spdlog::level::off},
 };
 
+/// A duration in seconds, e.g. 0.5.
+void add_seconds(CLI::App& app, const std::string& name, const std::string& help, std::chrono::milliseconds& value) {
+  const auto set = [&value](const double& seconds) {
+    value = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+  };
+  app.add_option_function<double>(name, set, help)
+      ->check(CLI::Range(0.0, 86'400.0).description(""))
+      ->type_name("SECONDS")
+      ->default_str(fmt::format("{}", std::chrono::duration<double>(value).count()));
+}
+
 }  // namespace
 
 std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   Flags flags;
   ServerOptions& server = flags.server;
-  double grace_seconds = std::chrono::duration<double>(server.grace_period).count();
 
   CLI::App app("Segments coloured 3D point clouds, over gRPC.", "segserve");
   app.footer(kExamples);
@@ -52,10 +62,9 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
       ->capture_default_str();
-  app.add_option("--grace-period", grace_seconds, "Seconds that calls in flight have when the server stops")
-      ->check(CLI::Range(0.0, 86'400.0))
-      ->type_name("SECONDS")
-      ->capture_default_str();
+  add_seconds(app, "--grace-period", "Seconds that calls in flight have when the server stops", server.grace_period);
+  add_seconds(app, "--drain-delay", "Seconds for which a stopping server still refuses calls before it closes",
+              server.drain_delay);
   app.add_option("--log-level", flags.log_level, "debug (one line a call), info, warn, error or off")
       ->transform(CLI::CheckedTransformer(kLogLevels, CLI::ignore_case).description(""))
       ->type_name("LEVEL")
@@ -67,7 +76,6 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
     const int code = app.exit(error);
     return code == 0 ? 0 : kUsageError;
   }
-  server.grace_period = std::chrono::milliseconds(static_cast<std::int64_t>(grace_seconds * 1000));
 
   const std::vector<FieldViolation> faults = violations(server);
   for (const FieldViolation& fault : faults) {

@@ -34,7 +34,7 @@ void check_range(const char* flag, Value value, Value minimum, Value maximum, st
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, const SegmenterFactory& make_segmenter)
-      : grace_period_(options.grace_period), service_(options, make_segmenter) {}
+      : grace_period_(options.grace_period), drain_delay_(options.drain_delay), service_(options, make_segmenter) {}
   GrpcServer(const GrpcServer&) = delete;
   GrpcServer& operator=(const GrpcServer&) = delete;
   ~GrpcServer() override { stop(); }
@@ -47,7 +47,7 @@ class GrpcServer final : public Server {
   bool stop() override;
 
  private:
-  const std::chrono::milliseconds grace_period_;
+  const std::chrono::milliseconds grace_period_, drain_delay_;
   SegmentationService service_;
   std::unique_ptr<grpc::Server> server_;  // ends before the service it calls
   std::string address_;
@@ -80,11 +80,13 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
 
 bool GrpcServer::stop() {
   if (!server_) return true;
-  const auto deadline = std::chrono::steady_clock::now() + grace_period_;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto deadline = begin + grace_period_;
   server_->GetHealthCheckService()->SetServingStatus(false);
   service_.start_draining();
   const bool all_finished = service_.wait_until_idle_or(deadline);
   if (!all_finished) spdlog::warn("the grace period is over: cancelling {} calls", service_.calls());
+  std::this_thread::sleep_until(std::min(deadline, begin + drain_delay_));
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTime);
   server_->Wait();
   service_.wait_until_idle();
@@ -109,6 +111,7 @@ std::vector<FieldViolation> violations(const ServerOptions& options) {
   check_range<std::uint64_t>("max-points", options.max_points, 1, 1'000'000'000, faults);
   check_range<std::uint64_t>("max-decoded-bytes", options.max_decoded_bytes, 1, std::uint64_t{1} << 40U, faults);
   check_range<std::int64_t>("grace-period", options.grace_period.count(), 0, 86'400'000, faults);
+  check_range<std::int64_t>("drain-delay", options.drain_delay.count(), 0, 86'400'000, faults);
   for (FieldViolation& fault : segserve::violations(options.defaults)) faults.push_back(std::move(fault));
   return faults;
 }

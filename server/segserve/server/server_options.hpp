@@ -31,6 +31,10 @@ struct ServerOptions {
   /// Time for the calls in flight when the server stops; then they are cancelled.
   std::chrono::milliseconds grace_period{20'000};
 
+  /// A stopping server answers new calls with UNAVAILABLE (DRAINING) for at least this long before it closes its
+  /// connections (at most the grace period), so that calls on their way get an answer that says what to do.
+  std::chrono::milliseconds drain_delay{200};
+
   /// The segmentation of a call that sets no options.
   Options defaults;
 };
