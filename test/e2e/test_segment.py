@@ -96,7 +96,7 @@ class Summary(EndToEnd):
     def test_json_tells_everything_promised(self):
         scene = self.synth(*SMALL)
         for where in (("--local",), ("--server", self.server.address)):
-            labels, told = self._segment(scene, *where)
+            labels, told = self._segment(scene, "--method", "lambda-convex", *where)
             self.assertLessEqual(self.KEYS, told.keys())
             self.assertEqual(told["points"], 160 * 120)
             self.assertEqual(told["finite"], sum(label > 0 for label in labels))
