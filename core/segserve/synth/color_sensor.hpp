@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "segserve/math/random.hpp"
 #include "segserve/math/vec3.hpp"
-#include "segserve/synth/random.hpp"
 
 namespace segserve::synth {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "segserve/synth/random.hpp"
+#include "segserve/math/random.hpp"
 
 namespace segserve::synth {
 

@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "segserve/synth/random.hpp"
+#include "segserve/math/random.hpp"
 
 namespace segserve::synth {
 

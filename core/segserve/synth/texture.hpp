@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "segserve/math/random.hpp"
 #include "segserve/math/vec3.hpp"
-#include "segserve/synth/random.hpp"
 #include "segserve/synth/shape.hpp"
 
 namespace segserve::synth {

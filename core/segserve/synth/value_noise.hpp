@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "segserve/synth/random.hpp"
+#include "segserve/math/random.hpp"
 
 namespace segserve::synth {
 

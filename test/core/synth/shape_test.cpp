@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "segserve/synth/random.hpp"
+#include "segserve/math/random.hpp"
 
 namespace segserve::synth {
 namespace {

@@ -1,10 +1,10 @@
-#include "segserve/synth/random.hpp"
+#include "segserve/math/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace segserve::synth {
+namespace segserve {
 namespace {
 
 // Reference values of SplitMix64 with seed 0 (Vigna's splitmix64.c): its n-th output is
@@ -42,4 +42,4 @@ TEST(RandomTest, BelowReachesEveryValueAndNoOther) {
 }
 
 }  // namespace
-}  // namespace segserve::synth
+}  // namespace segserve

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace segserve::synth {
+namespace segserve {
 
 /// Finaliser of SplitMix64 (Steele, Lea, Flood 2014): a good 64-bit hash of its argument.
 constexpr std::uint64_t mix(std::uint64_t value) {
@@ -51,4 +51,4 @@ class Random {
   std::uint64_t state_;
 };
 
-}  // namespace segserve::synth
+}  // namespace segserve
