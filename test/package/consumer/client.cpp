@@ -1,8 +1,8 @@
 // Asks a server that is not there: the client library is linked whole, and says so.
+#include "segserve/client/client.hpp"
+
 #include <cstdio>
 #include <string>
-
-#include "segserve/client/client.hpp"
 
 int main() {
   const auto client = segserve::client::Client::connect({.address = "127.0.0.1:1"});
