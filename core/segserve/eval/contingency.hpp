@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "segserve/tree/merge_tree.hpp"
 
 namespace segserve::eval {
 
@@ -31,5 +32,10 @@ struct Contingency {
 
 /// One entry a point in both. INVALID_ARGUMENT if the lengths differ or no point has ground truth.
 absl::StatusOr<Contingency> tabulate(std::span<const std::uint32_t> truth, std::span<const std::uint32_t> labels);
+
+/// The table of a cut of a merge tree from that of its supervoxels (labels 1..m; 0 stays 0), without another look at
+/// the points: what `tabulate` would say of the cut's labels. INVALID_ARGUMENT if a supervoxel is not a leaf of the
+/// cut.
+absl::StatusOr<Contingency> coarsen(const Contingency& supervoxels, const Cut& cut);
 
 }  // namespace segserve::eval

@@ -1,6 +1,7 @@
 #include "segserve/eval/scores.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -30,8 +31,8 @@ Scores paper_scores(const Contingency& table, Regions which) {
   for (std::uint32_t r = 0; r < table.regions.size(); ++r) {
     const Part& region = table.regions[r];
     if (which == Regions::kObjects && region.label < kFirstObjectLabel) continue;
-    const Overlap best = *std::ranges::max_element(
-        overlaps_of(table, r), {}, [&](const Overlap& o) { return intersection_over_union(table, o); });
+    const Overlap best = *std::ranges::max_element(overlaps_of(table, r), {},
+                                                   [&](const Overlap& o) { return intersection_over_union(table, o); });
     const std::uint64_t size = table.segments[best.segment].points;
     sum.wov += intersection_over_union(table, best) * static_cast<double>(region.points);
     sum.tp += ratio(best.points, region.points);
@@ -73,6 +74,15 @@ Scores one_to_one_scores(const Contingency& table) {
   precision /= n;
   s.f = precision + s.tp > 0 ? 2 * precision * s.tp / (precision + s.tp) : 0;
   return s;
+}
+
+double variation_of_information(const Contingency& table) {
+  double bits = 0;
+  for (const Overlap& o : table.overlaps) {
+    bits -= ratio(o.points, table.points) * (std::log2(ratio(o.points, table.regions[o.region].points)) +
+                                             std::log2(ratio(o.points, table.segments[o.segment].points)));
+  }
+  return bits;
 }
 
 SupervoxelScores supervoxel_scores(const Contingency& table) {

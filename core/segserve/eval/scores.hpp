@@ -27,6 +27,9 @@ Scores paper_scores(const Contingency& table, Regions which);
 /// segment of largest intersection (ties by label); shares are of all points.
 Scores one_to_one_scores(const Contingency& table);
 
+/// Meila (2007), bits: H(regions | segments) + H(segments | regions); 0 if and only if both are the same partition.
+double variation_of_information(const Contingency& table);
+
 /// Quality of an over-segmentation.
 struct SupervoxelScores {
   /// Share of points that are right if every supervoxel takes the region most of it lies in.

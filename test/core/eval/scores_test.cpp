@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace segserve::eval {
 namespace {
 
@@ -62,6 +64,13 @@ TEST(Scores, ArePerfectForThePartitionItselfAndPoorForOneSegment) {
   const Contingency one = *tabulate(kTruth, Labels(9, 1));
   EXPECT_EQ(paper_scores(one, Regions::kAll).tp, 1);  // why the paper's tp cannot choose a threshold
   EXPECT_EQ(one_to_one_scores(one).tp, 0.5);
+}
+
+TEST(VariationOfInformation, IsBothConditionalEntropies) {
+  // Regions {a, a, b, b}, segments {1, 1, 1, 2}: H(R|S) = 3/4 (log2 3 - 2/3), H(S|R) = 1/2.
+  const Contingency table = *tabulate(Labels{1, 1, 2, 2}, Labels{1, 1, 1, 2});
+  EXPECT_NEAR(variation_of_information(table), 0.75 * (std::log2(3.0) - 2.0 / 3) + 0.5, 1e-12);
+  EXPECT_EQ(variation_of_information(*tabulate(kTruth, kTruth)), 0);
 }
 
 TEST(SupervoxelScores, CountWhatLeaks) {

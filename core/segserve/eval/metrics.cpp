@@ -1,0 +1,20 @@
+#include "segserve/eval/metrics.hpp"
+
+namespace segserve::eval {
+
+MetricValues mean(std::span<const SceneScores> scenes) {
+  MetricValues means;
+  for (std::size_t m = 0; m < means.size(); ++m) {
+    double sum = 0;
+    double count = 0;
+    for (const SceneScores& scene : scenes) {
+      if (!scene.values[m]) continue;
+      sum += *scene.values[m];
+      ++count;
+    }
+    if (count > 0) means[m] = sum / count;
+  }
+  return means;
+}
+
+}  // namespace segserve::eval
