@@ -1,0 +1,116 @@
+"""segctl eval: scores of a folder with ground truth, thresholds learnt, results compared."""
+import json
+import unittest
+
+from harness import BAD_INPUT, EndToEnd
+import pcd
+
+PARTS = {"one_to_one": {"wov", "tp", "fp", "fn", "f"}, "paper_all": {"wov", "tp", "fp", "fn"},
+         "paper_objects": {"wov", "tp", "fp", "fn"},
+         "supervoxel_quality": {"achievable_accuracy", "undersegmentation_error", "boundary_recall"}}
+
+
+class Eval(EndToEnd):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        case = cls("run_well")
+        cls.data, cls.rooms, cls.empty = cls.folder / "data", cls.folder / "rooms", cls.folder / "empty"
+        for folder in (cls.data, cls.rooms, cls.empty):
+            folder.mkdir()
+        for seed in (1, 2, 3):
+            case.run_well("synth", "-q", "--seed", seed, "--width", "160", "--height", "120", "-o", cls.data / f"{seed}.pcd")
+        case.run_well("synth", "-q", "--fused", "--points", "20000", "-o", cls.rooms / "1.pcd")
+
+    def eval(self, *flags, data=None):
+        return json.loads(self.run_well("eval", "--data", data or self.data, "--json", "-", *flags).stdout)
+
+    def test_the_json_has_means_and_rows(self):
+        told = self.eval("--method", "lambda", "--threshold", "0.2")
+        self.assertEqual((told["scenes"], told["method"], told["threshold"]), (3, "lambda", 0.2))
+        self.assertEqual([row["file"] for row in told["per_scene"]], ["1.pcd", "2.pcd", "3.pcd"])
+        for row in (told, *told["per_scene"]):
+            for part, scores in PARTS.items():
+                self.assertEqual(set(row[part]), scores)
+                self.assertTrue(all(0 <= value <= 1 for value in row[part].values()), row[part])
+            self.assertGreaterEqual(row["supervoxels"], row["segments"])
+            self.assertGreater(row["ms"], 0)
+        wov = [row["one_to_one"]["wov"] for row in told["per_scene"]]
+        self.assertAlmostEqual(told["one_to_one"]["wov"], sum(wov) / 3, places=12)
+
+    def test_the_counts_are_those_of_segment(self):
+        told = self.eval("--method", "geometry")
+        scene = json.loads(self.run_well("segment", self.data / "2.pcd", "--local", "--method", "geometry",
+                                         "--json", "-").stdout)
+        row = told["per_scene"][1]
+        self.assertEqual((row["supervoxels"], row["segments"]), (scene["supervoxels"], scene["segments"]))
+        self.assertEqual(told["threshold"], scene["threshold"])  # the method's default
+
+    def test_learns_the_threshold_of_highest_tp(self):
+        told = self.eval("--method", "lambda-convex", "--learn", self.data, "--curve")
+        learnt = told["learnt"]
+        self.assertEqual(told["threshold"], learnt["threshold"])
+        self.assertEqual([point["threshold"] for point in learnt["curve"]], [i / 100 for i in range(101)])
+        best = max(point["one_to_one_tp"] for point in learnt["curve"])
+        first = next(point for point in learnt["curve"] if point["one_to_one_tp"] == best)
+        self.assertEqual((first["threshold"], best), (learnt["threshold"], learnt["one_to_one_tp"]))
+        self.assertAlmostEqual(told["one_to_one"]["tp"], best, places=12)
+        self.assertNotIn("curve", self.eval("--method", "lambda-convex", "--learn", self.data)["learnt"])
+
+    def test_degrades_scenes_the_same_way_each_time(self):
+        clean = self.eval()
+        for flags in (("--noise-mm", "20"), ("--keep", "0.25"), ("--no-color", "--method", "color"), ("--scale", "4")):
+            with self.subTest(flags=flags):
+                rows = [[(row["segments"], row["one_to_one"]) for row in self.eval(*flags)["per_scene"]] for _ in range(2)]
+                self.assertEqual(rows[0], rows[1])
+                self.assertNotEqual(rows[0], [(row["segments"], row["one_to_one"]) for row in clean["per_scene"]])
+
+    def test_scores_a_fused_room_in_its_world_view(self):
+        told = self.eval("--method", "lambda-convex", "--threshold", "0.15", data=self.rooms)
+        self.assertIsNone(told["supervoxel_quality"]["boundary_recall"])  # no image
+        self.assertGreater(told["one_to_one"]["wov"], 0)
+
+    def test_the_text_is_a_table(self):
+        text = self.run_well("eval", "--data", self.data, "--noise-mm", "3").stdout.decode()
+        for part in ("1.pcd", "3.pcd", "mean", "one_to_one", "3 mm depth noise at 1 m", "achievable_accuracy"):
+            self.assertIn(part, text)
+
+    def test_compares_two_results(self):
+        a, b = self.path("a.json"), self.path("b.json")
+        self.run_well("eval", "--data", self.data, "-q", "--method", "lambda-convex", "--json", a)
+        self.run_well("eval", "--data", self.data, "-q", "--method", "lambda-convex", "--threshold", "1", "--json", b)
+        told = json.loads(self.run_well("eval", "--compare", a, b, "--json", "-").stdout)
+        mean_a, mean_b = (json.loads(path.read_text())["one_to_one"]["wov"] for path in (a, b))
+        wov = told["differences"]["one_to_one.wov"]
+        self.assertAlmostEqual(wov["difference"], mean_a - mean_b, places=12)
+        self.assertLessEqual(wov["interval95"][0], wov["difference"])
+        self.assertGreaterEqual(wov["interval95"][1], wov["difference"])
+        self.assertEqual(wov["scenes"], 3)
+        self.assertIn("one_to_one.wov", self.run_well("eval", "--compare", a, b).stdout.decode())
+
+    def test_tells_what_is_wrong(self):
+        unlabelled = self.path("unlabelled")
+        unlabelled.mkdir()
+        (unlabelled / "x.pcd").write_bytes(pcd.ascii_file([(0, 0, 1), (0, 1, 1)]))
+        result = self.path("result.json")
+        self.run_well("eval", "--data", self.data, "-q", "--json", result)
+        for part, *flags in (("--data or --compare",), ("no .pcd or .ply", "--data", self.empty),
+                             ("there is no folder", "--data", self.folder / "absent"),
+                             ("is no folder", "--data", self.data / "1.pcd"),
+                             ("no field \"label\"", "--data", unlabelled),
+                             ("none of", "--data", self.data, "--method", "best"),
+                             ("keep: 0 is not in (0, 1]", "--data", self.data, "--keep", "0"),
+                             ("--learn excludes", "--data", self.data, "--learn", self.data, "--threshold", "0.1"),
+                             ("no .pcd or .ply", "--data", self.data, "--learn", self.empty),
+                             ("one thread", "--data", self.data, "--threads", "2"),
+                             ("absent", "--compare", result, self.path("absent")),
+                             ("not a result of segctl eval", "--compare", result, self.data / "1.pcd"),
+                             ("--compare", "--compare", result),
+                             ("--data", "--compare", result, result, "--data", self.data),
+                             ("there is no folder", "--data", self.data, "--json", self.folder / "absent" / "x.json")):
+            with self.subTest(flags=flags):
+                self.assertIn(part, self.run_badly(BAD_INPUT, "eval", *flags))
+
+
+if __name__ == "__main__":
+    unittest.main()
