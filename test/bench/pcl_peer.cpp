@@ -28,14 +28,14 @@ PclVccs::PclVccs(const CloudView& cloud, const Options& options)
 PclVccs::~PclVccs() = default;
 
 std::size_t PclVccs::run() const {
-  const Options& options = input_->options;
+  const SupervoxelOptions options = supervoxel_options(input_->options);
   pcl::SupervoxelClustering<Point> clustering(static_cast<float>(options.voxel_resolution),
                                               static_cast<float>(options.seed_resolution));
   clustering.setUseSingleCameraTransform(input_->camera);
   clustering.setInputCloud(input_->points);
-  clustering.setColorImportance(static_cast<float>(options.weights.color));
-  clustering.setSpatialImportance(static_cast<float>(options.weights.spatial));
-  clustering.setNormalImportance(static_cast<float>(options.weights.normal));
+  clustering.setColorImportance(static_cast<float>(options.color_weight));
+  clustering.setSpatialImportance(static_cast<float>(options.spatial_weight));
+  clustering.setNormalImportance(static_cast<float>(options.normal_weight));
   std::map<std::uint32_t, pcl::Supervoxel<Point>::Ptr> clusters;
   clustering.extract(clusters);
   return clusters.size();

@@ -60,7 +60,7 @@ TEST_F(ClientTest, SegmentsAsTheCoreDoes) {
     ASSERT_TRUE(remote.ok()) << remote.status();
     expect_equal(*remote, *local);
     EXPECT_EQ(remote->view, View::camera());
-    EXPECT_EQ(remote->method, Method::kLambdaConvex);
+    EXPECT_EQ(remote->method, Options{}.method);
   }
 }
 
@@ -77,7 +77,7 @@ TEST_F(ClientTest, SegmentsWithTheOptionsGiven) {
   EXPECT_EQ(remote->segmentation.segments, 5U);
   EXPECT_EQ(remote->method, Method::kEqualization);
   EXPECT_EQ(remote->regions, 5U);
-  EXPECT_FALSE(remote->threshold.has_value());
+  EXPECT_FALSE(remote->segmentation.threshold.has_value());
 }
 
 TEST_F(ClientTest, SegmentsPcdFilesOfEveryEncoding) {

@@ -42,7 +42,7 @@ TEST(ResultFile, KeepsEverythingThatACutNeeds) {
   EXPECT_EQ(after->segmentation.supervoxels, before.segmentation.supervoxels);
   EXPECT_EQ(after->segmentation.tree, before.segmentation.tree);
   EXPECT_EQ(after->method, before.method);
-  EXPECT_EQ(after->threshold, before.threshold);
+  EXPECT_EQ(after->segmentation.threshold, before.segmentation.threshold);
   EXPECT_EQ(after->view, before.view);
   EXPECT_EQ(after->view_rule, "because");
   EXPECT_EQ(after->server_version, "1.2.3");

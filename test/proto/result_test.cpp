@@ -26,7 +26,6 @@ Result small_result() {
   result.points = 6;
   result.supervoxels = 3;
   result.method = Method::kColor;
-  result.threshold = 0.5;
   result.view = View::world(1, 2, 3);
   result.view_rule = "because";
   result.timings = {.queue = 7, .decode = 8};
@@ -63,7 +62,7 @@ TEST(WireResult, RoundTrips) {
     EXPECT_EQ(read->segmentation.timings.total, 21) << "of the stages";
     EXPECT_EQ(read->supervoxels, 3U);
     EXPECT_EQ(read->method, Method::kColor);
-    EXPECT_EQ(read->threshold, 0.5);
+    EXPECT_EQ(read->segmentation.threshold, 0.5);
     EXPECT_EQ(read->regions, std::nullopt);
     EXPECT_EQ(read->view, expected.view);
     EXPECT_EQ(read->view_rule, "because");

@@ -49,7 +49,9 @@ TEST(ServerInfo, TellsEveryMethodAndOptionOfCore) {
     const auto ours = method_from_name(method.name());
     ASSERT_TRUE(ours.has_value()) << method.name();
     EXPECT_EQ(wire::from_message(method.method()), ours);
-    EXPECT_EQ(method.default_threshold(), default_threshold(*ours));
+    EXPECT_EQ(method.defaults().threshold(), default_threshold(*ours));
+    EXPECT_EQ(method.defaults().seed_resolution(), resolved({.method = *ours}).seed_resolution);
+    EXPECT_EQ(method.defaults().voxel_resolution(), 0.016) << "the server's own default goes before the method's";
   }
   ASSERT_EQ(static_cast<std::size_t>(info.options_size()), option_table().size());
   EXPECT_EQ(info.default_options().voxel_resolution(), 0.016);

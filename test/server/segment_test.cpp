@@ -67,7 +67,7 @@ TEST(Segment, EveryMethodAndCutGivesTheLabelsOfALocalRun) {
     EXPECT_EQ(result.method, method);
     EXPECT_EQ(result.regions, options.regions);
     EXPECT_EQ(result.options_hash, wire::options_hash(options));
-    EXPECT_EQ(result.threshold.has_value(), !options.regions.has_value());
+    EXPECT_EQ(result.segmentation.threshold.has_value(), !options.regions.has_value());
   }
 }
 

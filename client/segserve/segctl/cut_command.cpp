@@ -78,7 +78,7 @@ absl::Status recut(client::Result& result, const Options& options) {
   if (!labels.ok()) return labels.status();
   result.segmentation.labels = *std::move(labels);
   result.segmentation.segments = cut->segments;
-  result.threshold = options.threshold;
+  result.segmentation.threshold = options.threshold;
   result.regions = options.regions;
   return absl::OkStatus();
 }

@@ -77,7 +77,10 @@ Json to_json(const client::ServerInfo& info) {
   json["default_method"] = default_method(info);
   json["methods"] = Json::array();
   for (const v1alpha1::MethodInfo& method : info.methods()) {
-    json["methods"].push_back({{"name", method.name()}, {"default_threshold", method.default_threshold()}});
+    json["methods"].push_back({{"name", method.name()},
+                               {"default_threshold", method.defaults().threshold()},
+                               {"default_voxel_resolution", method.defaults().voxel_resolution()},
+                               {"default_seed_resolution", method.defaults().seed_resolution()}});
   }
   json["options"] = Json::array();
   for (const v1alpha1::OptionInfo& option : info.options()) json["options"].push_back(option_json(option));
@@ -96,8 +99,9 @@ std::string to_text(const Json& json, const std::string& address) {
   for (const auto& [name, value] : json["limits"].items()) text += fmt::format("  {:<18} {}\n", name, value.dump());
   text += fmt::format("methods (default {}):\n", json["default_method"].get<std::string>());
   for (const Json& method : json["methods"]) {
-    text +=
-        fmt::format("  {:<20} threshold {}\n", method["name"].get<std::string>(), method["default_threshold"].dump());
+    text += fmt::format("  {:<20} threshold {}, voxels {} m, seeds {} m\n", method["name"].get<std::string>(),
+                        method["default_threshold"].dump(), method["default_voxel_resolution"].dump(),
+                        method["default_seed_resolution"].dump());
   }
   text += "options:\n";
   for (const Json& option : json["options"]) {

@@ -1,8 +1,6 @@
 #include "segserve/segctl/option_flags.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <iterator>
 
 #include "fmt/format.h"
@@ -10,41 +8,23 @@
 namespace segserve::segctl {
 namespace {
 
-/// Where an option of `option_table()` is kept in Options.
-struct Place {
-  std::string_view name;
-  bool whole;  ///< takes whole numbers only
-  void (*set)(Options&, double);
-};
-
-constexpr std::array kPlaces = {
-    Place{"voxel_resolution", false, [](Options& o, double v) { o.voxel_resolution = v; }},
-    Place{"seed_resolution", false, [](Options& o, double v) { o.seed_resolution = v; }},
-    Place{"color_weight", false, [](Options& o, double v) { o.weights.color = v; }},
-    Place{"spatial_weight", false, [](Options& o, double v) { o.weights.spatial = v; }},
-    Place{"normal_weight", false, [](Options& o, double v) { o.weights.normal = v; }},
-    Place{"lambda", false, [](Options& o, double v) { o.lambda = v; }},
-    Place{"threshold", false, [](Options& o, double v) { o.threshold = v; }},
-    Place{"regions", true, [](Options& o, double v) { o.regions = static_cast<std::uint32_t>(v); }},
-    Place{"threads", true, [](Options& o, double v) { o.threads = static_cast<std::uint32_t>(v); }},
-};
-
-const Place* find_place(std::string_view name) {
-  const auto* place = std::ranges::find(kPlaces, name, &Place::name);
-  return place == kPlaces.end() ? nullptr : place;
-}
-
 std::string flag_name(std::string_view option) {
   std::string name = "--" + std::string(option);
   std::ranges::replace(name, '_', '-');
   return name;
 }
 
-std::string help_text(const OptionInfo& info) {
-  std::string text = fmt::format("{}; {} to {}", info.description, info.minimum, info.maximum);
-  if (!info.unit.empty()) text += fmt::format(" {}", info.unit);
-  if (info.default_value) text += fmt::format(", default {}", *info.default_value);
-  return text;
+/// The default of the default method, and of the paper's methods if that differs.
+std::string default_text(const OptionInfo& option) {
+  const std::optional<double> ours = default_value(option, Options{}.method);
+  if (!ours) return "";
+  const bool same = std::ranges::all_of(all_methods(), [&](Method m) { return default_value(option, m) == ours; });
+  return fmt::format(", default {}{}", *ours, same ? "" : fmt::format(" for {}", name(Options{}.method)));
+}
+
+std::string help_text(const OptionInfo& option) {
+  return fmt::format("{}; {} to {}{}{}{}", option.description, option.minimum, option.maximum,
+                     option.unit.empty() ? "" : " ", option.unit, default_text(option));
 }
 
 std::string method_names() {
@@ -55,25 +35,12 @@ std::string method_names() {
   return names;
 }
 
-/// Stores a value, unless it is not a whole number where one is needed: a cast would hide that.
-std::optional<FieldViolation> set_value(Options& options, std::string_view name, double value) {
-  const Place& place = *find_place(name);
-  const auto info = std::ranges::find(option_table(), name, &OptionInfo::name);
-  const bool in_range = value >= info->minimum && value <= info->maximum;
-  if (place.whole && (!in_range || value != std::floor(value))) {
-    return FieldViolation{std::string(name),
-                          fmt::format("{} is not a whole number in [{}, {}]", value, info->minimum, info->maximum)};
-  }
-  place.set(options, value);
-  return std::nullopt;
-}
-
 }  // namespace
 
-void OptionFlags::add_number(CLI::App& app, const OptionInfo& info, Flag& flag) {
-  flag.name = info.name;
-  app.add_option(flag_name(info.name), flag.value, help_text(info))
-      ->type_name(find_place(info.name)->whole ? "INT" : "NUMBER")
+void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag) {
+  flag.option = &option;
+  app.add_option(flag_name(option.name), flag.value, help_text(option))
+      ->type_name(option.whole ? "INT" : "NUMBER")
       ->group("Segmentation");
 }
 
@@ -84,9 +51,7 @@ void OptionFlags::add_to(CLI::App& app) {
       ->type_name("NAME")
       ->group("Segmentation");
   flags_.resize(option_table().size());  // before their addresses are taken
-  for (std::size_t i = 0; i < flags_.size(); ++i) {
-    if (find_place(option_table()[i].name) != nullptr) add_number(app, option_table()[i], flags_[i]);
-  }
+  for (std::size_t i = 0; i < flags_.size(); ++i) add_number(app, option_table()[i], flags_[i]);
 }
 
 void OptionFlags::add_cut_to(CLI::App& app) {
@@ -109,7 +74,11 @@ absl::StatusOr<Options> OptionFlags::options() const {
   }
   for (const Flag& flag : flags_) {
     if (!flag.value) continue;
-    if (auto fault = set_value(options, flag.name, *flag.value)) faults.push_back(*std::move(fault));
+    if (auto fault = violation(*flag.option, *flag.value)) {
+      faults.push_back(*std::move(fault));
+    } else {
+      flag.option->set(options, *flag.value);
+    }
   }
   std::ranges::move(violations(options), std::back_inserter(faults));
   if (faults.empty()) return options;

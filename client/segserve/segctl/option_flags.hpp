@@ -2,7 +2,6 @@
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "CLI/CLI.hpp"
@@ -26,10 +25,10 @@ class OptionFlags {
 
  private:
   struct Flag {
-    std::string_view name;
+    const OptionInfo* option = nullptr;
     std::optional<double> value;
   };
-  void add_number(CLI::App& app, const OptionInfo& info, Flag& flag);
+  void add_number(CLI::App& app, const OptionInfo& option, Flag& flag);
 
   std::string method_;
   std::vector<Flag> flags_;

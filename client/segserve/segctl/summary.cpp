@@ -30,7 +30,7 @@ std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
 
 std::string cut_text(const client::Result& result) {
   if (result.regions) return fmt::format("cut at {} regions", *result.regions);
-  return fmt::format("threshold {}", result.threshold.value_or(0));
+  return fmt::format("threshold {}", result.segmentation.threshold.value_or(0));
 }
 
 std::string sizes_text(const Segmentation& segmentation) {
@@ -73,7 +73,7 @@ Json to_json(const Summary& summary) {
   json["segments"] = result.segmentation.segments;
   json["segment_points"] = segment_sizes(result.segmentation);
   json["method"] = name(result.method);
-  json["threshold"] = optional_json(result.threshold);
+  json["threshold"] = optional_json(result.segmentation.threshold);
   json["regions"] = optional_json(result.regions);
   json["lambda"] = result.segmentation.lambda;
   json["view"] = view_text(result.view);

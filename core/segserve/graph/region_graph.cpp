@@ -27,11 +27,14 @@ class VoxelsBySupervoxel {
   std::vector<std::uint32_t> voxels_;
 };
 
-Region region_of(std::span<const std::uint32_t> voxels, const VoxelGrid& grid, const std::vector<Vec3>& normals) {
+Region region_of(std::span<const std::uint32_t> voxels, const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                 const View& view, double voxel_resolution) {
   Region region;
   for (const std::uint32_t v : voxels) {
     region.voxels += 1;
     region.points += grid.points[v];
+    const double edge = voxel_edge(voxel_resolution, view, grid.centroid[v]);
+    region.area += edge * edge;
     region.centroid += grid.centroid[v];
     region.normal_sum += normals[v];
     region.color_sum += grid.color_sum[v];
@@ -53,16 +56,18 @@ void Region::merge(const Region& other) {
   color_sum += other.color_sum;
   voxels = total;
   points += other.points;
+  area += other.area;
 }
 
 RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                               const std::vector<Vec3>& normals, const Supervoxels& supervoxels) {
+                               const std::vector<Vec3>& normals, const Supervoxels& supervoxels, const View& view,
+                               double voxel_resolution) {
   RegionGraph graph;
   const VoxelsBySupervoxel voxels(supervoxels);
   graph.regions.reserve(supervoxels.count);
   std::vector<std::uint32_t> met(supervoxels.count, 0);  // the last supervoxel + 1 that met this one
   for (std::uint32_t a = 0; a < supervoxels.count; ++a) {
-    graph.regions.push_back(region_of(voxels.of(a), grid, normals));
+    graph.regions.push_back(region_of(voxels.of(a), grid, normals, view, voxel_resolution));
     const std::size_t first = graph.edges.size();
     for (const std::uint32_t v : voxels.of(a)) {
       for (const std::uint32_t u : adjacency.of(v)) {

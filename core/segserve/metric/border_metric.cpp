@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "segserve/math/elementary.hpp"
 #include "segserve/metric/color.hpp"
@@ -51,9 +50,11 @@ std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, co
   return evidence;
 }
 
-BorderMetric::BorderMetric(const RegionGraph& graph, std::vector<double> area, const BorderOptions& options)
-    : options_(options), area_(std::move(area)) {
-  for (const Region& region : graph.regions) points_.push_back(region.points);
+BorderMetric::BorderMetric(const RegionGraph& graph, const BorderOptions& options) : options_(options) {
+  for (const Region& region : graph.regions) {
+    area_.push_back(region.area);
+    points_.push_back(region.points);
+  }
 }
 
 double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence& evidence) const {

@@ -30,8 +30,7 @@ class BorderMetric {
     Evidence& operator+=(const Evidence& o) { return pairs += o.pairs, weighted += o.weighted, *this; }
   };
 
-  /// `area`: of each supervoxel, m^2.
-  BorderMetric(const RegionGraph& graph, std::vector<double> area, const BorderOptions& options);
+  BorderMetric(const RegionGraph& graph, const BorderOptions& options);
 
   std::size_t region_count() const { return area_.size(); }
   std::uint32_t points(std::uint32_t r) const { return points_[r]; }

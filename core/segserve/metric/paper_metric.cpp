@@ -21,6 +21,7 @@ Unification learn(const Options& options, std::span<const double> color, std::sp
     case Method::kLambdaConvex: return Unification::adaptive(color, geometry);
     case Method::kEqualization:
     case Method::kEqualizationConvex: return Unification::equalization(color, geometry);
+    case Method::kBorder: break;  // has a metric of its own
   }
   return Unification::fixed(options.lambda);
 }

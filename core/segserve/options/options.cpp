@@ -9,67 +9,66 @@
 namespace segserve {
 namespace {
 
+/// What a method takes unless the caller says otherwise.
 struct MethodInfo {
   Method method;
   std::string_view name;
-  double threshold;  // learnt by the paper (Table 1); fixed-lambda takes that of Adaptive Lambda
+  double threshold;
+  SupervoxelOptions supervoxels;
 };
 
+constexpr SupervoxelOptions kPaperSupervoxels{0.008, 0.08, 0.2, 0.4, 1.0};  // about 250 on an OSD frame
+constexpr SupervoxelOptions kFineSupervoxels{0.0075, 0.03, 0.0, 1.0, 4.0};  // about 1,050
+
 constexpr std::array kMethods = {
-    MethodInfo{Method::kColor, "color", 0.10},
-    MethodInfo{Method::kGeometry, "geometry", 0.29},
-    MethodInfo{Method::kLambda, "lambda", 0.18},
-    MethodInfo{Method::kLambdaConvex, "lambda-convex", 0.15},
-    MethodInfo{Method::kEqualization, "equalization", 0.94},
-    MethodInfo{Method::kEqualizationConvex, "equalization-convex", 0.94},
-    MethodInfo{Method::kFixedLambda, "fixed-lambda", 0.18},
+    MethodInfo{Method::kBorder, "border", 0.5, kFineSupervoxels},
+    MethodInfo{Method::kColor, "color", 0.10, kPaperSupervoxels},
+    MethodInfo{Method::kGeometry, "geometry", 0.29, kPaperSupervoxels},
+    MethodInfo{Method::kLambda, "lambda", 0.18, kPaperSupervoxels},
+    MethodInfo{Method::kLambdaConvex, "lambda-convex", 0.15, kPaperSupervoxels},
+    MethodInfo{Method::kEqualization, "equalization", 0.94, kPaperSupervoxels},
+    MethodInfo{Method::kEqualizationConvex, "equalization-convex", 0.94, kPaperSupervoxels},
+    MethodInfo{Method::kFixedLambda, "fixed-lambda", 0.18, kPaperSupervoxels},
 };
 
 const MethodInfo& info(Method method) { return kMethods[static_cast<std::size_t>(method)]; }
+bool is_method(Method method) { return static_cast<std::size_t>(method) < kMethods.size(); }
 
-/// An option together with the place where it is kept: nullopt means "not given", which is valid.
-struct OptionEntry {
-  OptionInfo info;
-  std::optional<double> (*get)(const Options&);
+/// An option that is a double or an optional double.
+template <auto member>
+constexpr OptionInfo number(std::string_view name, std::string_view unit, std::string_view description, double minimum,
+                            double maximum) {
+  return {name, unit, description, minimum, maximum, false,
+          [](const Options& o) { return std::optional<double>(o.*member); },
+          [](Options& o, double value) { o.*member = value; }};
+}
+
+/// An option that is a whole number, or an optional one.
+template <auto member>
+constexpr OptionInfo whole(std::string_view name, std::string_view description, double minimum, double maximum) {
+  return {name, "", description, minimum, maximum, true,
+          [](const Options& o) {
+            const std::optional<std::uint32_t> value = o.*member;
+            return value ? std::optional<double>(*value) : std::nullopt;
+          },
+          [](Options& o, double value) { o.*member = static_cast<std::uint32_t>(value); }};
+}
+
+constexpr std::array kTable = {
+    number<&Options::voxel_resolution>("voxel_resolution", "m", "edge of a voxel; in a CAMERA view at 1 m distance",
+                                       0.001, 1),
+    number<&Options::seed_resolution>("seed_resolution", "m",
+                                      "distance between the seeds of supervoxels; not below voxel_resolution", 0.002,
+                                      10),
+    number<&Options::color_weight>("color_weight", "", "weight of colour in the supervoxel distance", 0, 100),
+    number<&Options::spatial_weight>("spatial_weight", "", "weight of position in the supervoxel distance", 0, 100),
+    number<&Options::normal_weight>("normal_weight", "", "weight of the normals in the supervoxel distance", 0, 100),
+    number<&Options::lambda>("lambda", "", "weight of colour against geometry, for fixed-lambda", 0, 1),
+    number<&Options::threshold>("threshold", "", "cut the merge tree where the dissimilarity reaches this", 0, 1),
+    whole<&Options::regions>("regions", "cut the merge tree at this number of regions instead of a threshold", 1,
+                             2147483647),
+    whole<&Options::threads>("threads", "threads within one call; the result does not depend on it", 1, 64),
 };
-
-constexpr Options kDefaults;
-
-constexpr std::array kEntries = {
-    OptionEntry{{"voxel_resolution", "m", "edge of a voxel; in a CAMERA view at 1 m distance", 0.001, 1.0,
-                 kDefaults.voxel_resolution},
-                [](const Options& o) { return std::optional<double>(o.voxel_resolution); }},
-    OptionEntry{{"seed_resolution", "m", "distance between the seeds of supervoxels; not below voxel_resolution", 0.002,
-                 10.0, kDefaults.seed_resolution},
-                [](const Options& o) { return std::optional<double>(o.seed_resolution); }},
-    OptionEntry{{"color_weight", "", "weight of colour in the supervoxel distance", 0.0, 100.0, kDefaults.weights.color},
-                [](const Options& o) { return std::optional<double>(o.weights.color); }},
-    OptionEntry{{"spatial_weight", "", "weight of position in the supervoxel distance", 0.0, 100.0,
-                 kDefaults.weights.spatial},
-                [](const Options& o) { return std::optional<double>(o.weights.spatial); }},
-    OptionEntry{{"normal_weight", "", "weight of the normals in the supervoxel distance", 0.0, 100.0,
-                 kDefaults.weights.normal},
-                [](const Options& o) { return std::optional<double>(o.weights.normal); }},
-    OptionEntry{{"lambda", "", "weight of colour against geometry, for fixed-lambda", 0.0, 1.0, kDefaults.lambda},
-                [](const Options& o) { return std::optional<double>(o.lambda); }},
-    OptionEntry{{"threshold", "", "cut the merge tree where the dissimilarity reaches this; default by method", 0.0, 1.0,
-                 std::nullopt},
-                [](const Options& o) { return o.threshold; }},
-    OptionEntry{{"regions", "", "cut the merge tree at this number of regions instead of a threshold", 1.0, 2147483647.0,
-                 std::nullopt},
-                [](const Options& o) {
-                  return o.regions ? std::optional<double>(*o.regions) : std::optional<double>();
-                }},
-    OptionEntry{{"threads", "", "threads within one call; the result does not depend on it", 1.0, 64.0,
-                 kDefaults.threads},
-                [](const Options& o) { return std::optional<double>(o.threads); }},
-};
-
-constexpr auto kTable = [] {
-  std::array<OptionInfo, kEntries.size()> table{};
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = kEntries[i].info;
-  return table;
-}();
 
 }  // namespace
 
@@ -91,24 +90,53 @@ std::span<const Method> all_methods() {
 
 double default_threshold(Method method) { return info(method).threshold; }
 
+Options resolved(Options options) {
+  const auto& [method, name, threshold, supervoxels] = info(options.method);
+  const auto fill = [](std::optional<double>& value, double otherwise) { value = value.value_or(otherwise); };
+  fill(options.voxel_resolution, supervoxels.voxel_resolution);
+  fill(options.seed_resolution, supervoxels.seed_resolution);
+  fill(options.color_weight, supervoxels.color_weight);
+  fill(options.spatial_weight, supervoxels.spatial_weight);
+  fill(options.normal_weight, supervoxels.normal_weight);
+  if (!options.regions) fill(options.threshold, threshold);
+  return options;
+}
+
+SupervoxelOptions supervoxel_options(const Options& options) {
+  const Options o = resolved(options);
+  return {*o.voxel_resolution, *o.seed_resolution, *o.color_weight, *o.spatial_weight, *o.normal_weight};
+}
+
 std::span<const OptionInfo> option_table() { return kTable; }
 
+std::optional<double> default_value(const OptionInfo& option, Method method) {
+  return option.get(resolved({.method = method}));
+}
+
+std::optional<FieldViolation> violation(const OptionInfo& option, double value) {
+  const bool in_range = value >= option.minimum && value <= option.maximum;  // a NaN is in no range
+  if (in_range && (!option.whole || value == static_cast<double>(static_cast<std::int64_t>(value)))) return std::nullopt;
+  return FieldViolation{std::string(option.name),
+                        fmt::format("{} is not {}in [{}, {}]{}{}", value, option.whole ? "a whole number " : "",
+                                    option.minimum, option.maximum, option.unit.empty() ? "" : " ", option.unit)};
+}
+
 std::vector<FieldViolation> violations(const Options& options) {
+  if (!is_method(options.method)) {
+    return {{"method", fmt::format("{} is no method", static_cast<int>(options.method))}};
+  }
   std::vector<FieldViolation> faults;
-  for (const auto& [option, get] : kEntries) {
-    const std::optional<double> value = get(options);
-    if (!value || (*value >= option.minimum && *value <= option.maximum)) continue;  // a NaN is in no range
-    faults.push_back({std::string(option.name), fmt::format("{} is not in [{}, {}]{}{}", *value, option.minimum,
-                                                            option.maximum, option.unit.empty() ? "" : " ", option.unit)});
+  for (const OptionInfo& option : kTable) {
+    const std::optional<double> value = option.get(options);
+    if (!value) continue;
+    if (auto fault = violation(option, *value)) faults.push_back(*std::move(fault));
   }
-  if (static_cast<std::size_t>(options.method) >= kMethods.size()) {
-    faults.push_back({"method", fmt::format("{} is no method", static_cast<int>(options.method))});
+  const SupervoxelOptions s = supervoxel_options(options);
+  if (s.seed_resolution < s.voxel_resolution) {
+    faults.push_back({"seed_resolution",
+                      fmt::format("{} m is below voxel_resolution, {} m", s.seed_resolution, s.voxel_resolution)});
   }
-  if (options.seed_resolution < options.voxel_resolution) {
-    faults.push_back({"seed_resolution", fmt::format("{} m is below voxel_resolution, {} m", options.seed_resolution,
-                                                     options.voxel_resolution)});
-  }
-  if (options.weights.color == 0 && options.weights.spatial == 0 && options.weights.normal == 0) {
+  if (s.color_weight == 0 && s.spatial_weight == 0 && s.normal_weight == 0) {
     faults.push_back({"color_weight", "color_weight, spatial_weight and normal_weight are all 0"});
   }
   if (options.threshold && options.regions) {

@@ -11,8 +11,9 @@
 
 namespace segserve {
 
-/// The dissimilarity by which regions are merged: the rows of the paper's Table 1, by name.
+/// The dissimilarity by which regions are merged, by name: ours, and the rows of the paper's Table 1.
 enum class Method : std::uint8_t {
+  kBorder,              ///< "border": evidence along the borders of supervoxels, on edge-aware normals
   kColor,               ///< "color": delta_C alone (eq. 4)
   kGeometry,            ///< "geometry": delta_G alone (eq. 5)
   kLambda,              ///< "lambda": Adaptive Lambda with delta_G
@@ -26,52 +27,71 @@ std::string_view name(Method method);
 std::optional<Method> method_from_name(std::string_view name);
 std::span<const Method> all_methods();
 
-/// Weights of the supervoxel distance (VCCS): without unit, 0 to 100.
-struct SupervoxelWeights {
-  double color = 0.2;    ///< of the RGB distance over 255
-  double spatial = 0.4;  ///< of the Euclidean distance over the seed resolution
-  double normal = 1.0;   ///< of 1 - |cos| of the angle between the normals
-};
-
-/// What a caller may ask for. Ranges, units and defaults are in `option_table`.
+/// What a caller may ask for. What is unset takes the method's default (`resolved`). Units and ranges are in
+/// `option_table`.
 struct Options {
-  Method method = Method::kLambdaConvex;
+  Method method = Method::kBorder;
   /// Edge of a voxel: metres in a WORLD view; in a CAMERA view metres at 1 m distance.
-  double voxel_resolution = 0.008;
+  std::optional<double> voxel_resolution = std::nullopt;
   /// Distance between the seeds of supervoxels, metres.
-  double seed_resolution = 0.08;
-  SupervoxelWeights weights;
+  std::optional<double> seed_resolution = std::nullopt;
+  /// Weights of the supervoxel distance (VCCS): of the RGB distance over 255, of the Euclidean distance over the
+  /// seed resolution, and of 1 - |cos| of the angle between the normals.
+  std::optional<double> color_weight = std::nullopt;
+  std::optional<double> spatial_weight = std::nullopt;
+  std::optional<double> normal_weight = std::nullopt;
   /// Weight of colour against geometry for `fixed-lambda`.
   double lambda = 0.5;
-  /// Cut the merge tree where the weight reaches this, [0, 1]; unset: `default_threshold(method)`.
+  /// Cut the merge tree where the weight reaches this, [0, 1].
   std::optional<double> threshold = std::nullopt;
   /// Cut the merge tree at this number of regions instead; excludes `threshold`.
   std::optional<std::uint32_t> regions = std::nullopt;
   /// Threads within one call; the result does not depend on it.
   std::uint32_t threads = 1;
+
+  bool operator==(const Options&) const = default;
 };
 
-/// The threshold the paper learnt for the method (Table 1).
+/// The options with the method's defaults in place of what is unset; `threshold` stays unset if `regions` is given.
+Options resolved(Options options);
+
+/// The method's default threshold: 0.5 for `border`, that of the paper's Table 1 for the others.
 double default_threshold(Method method);
 
-/// One numeric option: its name (the same on the command line, in the API and in messages), what
-/// it means, its unit ("" if none), its closed range and its default.
+/// The settings of the supervoxels, resolved.
+struct SupervoxelOptions {
+  double voxel_resolution, seed_resolution;            // metres
+  double color_weight, spatial_weight, normal_weight;
+};
+SupervoxelOptions supervoxel_options(const Options& options);
+
+/// One numeric option: its name (the same on the command line, in the API and in messages), what it means, its
+/// unit ("" if none), its closed range, and where it is kept.
 struct OptionInfo {
   std::string_view name;
   std::string_view unit;
   std::string_view description;
   double minimum;
   double maximum;
-  std::optional<double> default_value;  ///< unset: depends on the method, or the option is off
+  bool whole;  ///< takes whole numbers only
+  std::optional<double> (*get)(const Options&);
+  void (*set)(Options&, double);  ///< the value must be in range, and whole where that is needed
 };
 
-/// Every numeric option, for `--help`, GetServerInfo and `violations`.
+/// Every numeric option, for `--help`, the API and `violations`.
 std::span<const OptionInfo> option_table();
+
+/// What the option is with this method unless it is given; nothing for `regions`.
+std::optional<double> default_value(const OptionInfo& option, Method method);
 
 struct FieldViolation {
   std::string field;        ///< an option's name
   std::string description;  ///< what is wrong with its value, and what is allowed
+  bool operator==(const FieldViolation&) const = default;
 };
+
+/// The fault of one value of one option: out of range, or not whole where that is needed.
+std::optional<FieldViolation> violation(const OptionInfo& option, double value);
 
 /// Every fault of the options at once; empty if they are valid.
 std::vector<FieldViolation> violations(const Options& options);

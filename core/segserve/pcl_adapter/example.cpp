@@ -24,7 +24,7 @@ int run(const char* input, const char* output) {
     return 2;
   }
   fmt::print("{} points, {} supervoxels, {} segments at threshold {:.2f} in {:.1f} ms\n", cloud.size(),
-             result->tree.leaf_count(), result->segments, result->threshold, result->timings.total);
+             result->tree.leaf_count(), result->segments, *result->threshold, result->timings.total);
 
   // The tree holds every other segmentation of the scene: here the ten largest differences.
   const auto cut = segserve::cut_to_regions(result->tree, 10);

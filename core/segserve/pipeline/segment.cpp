@@ -3,13 +3,16 @@
 #include <chrono>
 #include <utility>
 
+#include "segserve/graph/border.hpp"
 #include "segserve/graph/region_graph.hpp"
 #include "segserve/merge/merge.hpp"
+#include "segserve/metric/border_metric.hpp"
 #include "segserve/metric/paper_metric.hpp"
 #include "segserve/pipeline/parallel.hpp"
 #include "segserve/supervoxel/growth.hpp"
 #include "segserve/supervoxel/seeds.hpp"
 #include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/edge_aware_normals.hpp"
 #include "segserve/voxel/normals.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
@@ -28,8 +31,30 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options, double threshold) {
-  return options.regions ? cut_to_regions(tree, *options.regions) : cut_at_threshold(tree, threshold);
+/// The dendrogram by the paper's metric delta (eq. 3). `lambda`: what Adaptive Lambda found.
+absl::StatusOr<MergeTree> merge_by_paper(const RegionGraph& graph, const View& view, const Options& options,
+                                         const StopToken& stop, double& lambda) {
+  PaperMetric metric(graph, view, options);
+  lambda = metric.lambda();
+  const std::vector<PaperMetric::Evidence> none(graph.edges.size());
+  return merge_regions<PaperMetric>(graph.edges, none, metric, stop);
+}
+
+/// The dendrogram by what the borders between supervoxels look like.
+absl::StatusOr<MergeTree> merge_by_border(const RegionGraph& graph, const VoxelGrid& grid,
+                                          const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                                          const Supervoxels& supervoxels, const SupervoxelOptions& settings,
+                                          const StopToken& stop) {
+  const BorderOptions options;
+  const std::vector<Border> borders = measure_borders(graph, grid, adjacency, normals, supervoxels, options.dead_zone);
+  const std::vector<BorderMetric::Evidence> evidence =
+      border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, options);
+  BorderMetric metric(graph, options);
+  return merge_regions<BorderMetric>(graph.edges, evidence, metric, stop);
+}
+
+absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options) {
+  return options.regions ? cut_to_regions(tree, *options.regions) : cut_at_threshold(tree, *options.threshold);
 }
 
 /// A value per supervoxel becomes one per point; 0 stays with points that are not finite.
@@ -62,58 +87,61 @@ Segmenter::~Segmenter() = default;
 Segmenter::Segmenter(Segmenter&&) noexcept = default;
 Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
-absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& options,
+absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& requested,
                                                 const StopToken& stop) {
-  if (absl::Status status = check(options); !status.ok()) return status;
+  if (absl::Status status = check(requested); !status.ok()) return status;
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
-  auto& [voxelize_scratch, grid, adjacency, normals, seeds] = *workspace_;
+  const Options options = resolved(requested);
+  const SupervoxelOptions settings = supervoxel_options(options);
+  auto& [scratch, grid, adjacency, normals, seeds] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
+  absl::Status status;
 
   // The cloud becomes voxels, each with the mean of its points ..
-  if (absl::Status status = voxelize(cloud, options.voxel_resolution, options.threads, stop, voxelize_scratch, grid);
-      !status.ok()) {
-    return status;
-  }
+  status = voxelize(cloud, settings.voxel_resolution, options.threads, stop, scratch, grid);
+  if (!status.ok()) return status;
   timings.voxels = watch.lap();
 
-  // .. and a normal, from the plane through its neighbourhood.
+  // .. and a normal, from the plane through its neighbourhood; ours does not reach across edges.
   find_adjacency(grid, adjacency);
-  if (absl::Status status = compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals);
-      !status.ok()) {
-    return status;
+  status = compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals);
+  if (status.ok() && options.method == Method::kBorder) {
+    status = refine_normals(grid, adjacency, cloud.view, settings.voxel_resolution, {}, options.threads, stop, normals);
   }
+  if (!status.ok()) return status;
   timings.normals = watch.lap();
 
   // Over-segmentation: the supervoxels R^m (VCCS).
-  select_seeds(grid, cloud.view, options.voxel_resolution, options.seed_resolution, seeds);
-  const absl::StatusOr<Supervoxels> supervoxels = grow_supervoxels(grid, adjacency, normals, seeds, options, stop);
+  select_seeds(grid, cloud.view, settings.voxel_resolution, settings.seed_resolution, seeds);
+  const absl::StatusOr<Supervoxels> supervoxels = grow_supervoxels(grid, adjacency, normals, seeds, settings, stop);
   if (!supervoxels.ok()) return supervoxels.status();
   timings.supervoxels = watch.lap();
 
-  // The weighted graph G^m = {R^m, W^m}, weights by the metric delta (eq. 3).
-  const RegionGraph graph = build_region_graph(grid, adjacency, normals, *supervoxels);
-  PaperMetric metric(graph, cloud.view, options);
-  result.lambda = metric.lambda();
+  // The region adjacency graph G^m.
+  const RegionGraph graph =
+      build_region_graph(grid, adjacency, normals, *supervoxels, cloud.view, settings.voxel_resolution);
   timings.graph = watch.lap();
 
-  // The two most similar regions become one, again and again: the dendrogram D.
-  absl::StatusOr<MergeTree> tree = merge_regions<PaperMetric>(
-      graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), metric, stop);
+  // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
+  absl::StatusOr<MergeTree> tree =
+      options.method == Method::kBorder
+          ? merge_by_border(graph, grid, adjacency, normals, *supervoxels, settings, stop)
+          : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);
   timings.merging = watch.lap();
 
   // One level of it labels every input point.
-  result.threshold = options.threshold.value_or(default_threshold(options.method));
-  const absl::StatusOr<Cut> level = cut(result.tree, options, result.threshold);
+  const absl::StatusOr<Cut> level = cut(result.tree, options);
   if (!level.ok()) return level.status();
   result.segments = level->segments;
   result.labels = spread(grid, *supervoxels, options.threads, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
   result.supervoxels = spread(grid, *supervoxels, options.threads, [](std::uint32_t s) { return s + 1; });
   timings.labels = watch.lap();
 
+  result.threshold = options.threshold;
   result.finite_points = grid.finite_points;
   result.voxels = grid.size();
   timings.total = total.lap();

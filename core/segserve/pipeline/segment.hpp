@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -18,8 +19,8 @@ struct StageTimings {
   double voxels = 0;       ///< voxelisation of the points
   double normals = 0;      ///< voxel adjacency and normals
   double supervoxels = 0;  ///< seeds and growth (VCCS)
-  double graph = 0;        ///< region features, region adjacency graph, weights
-  double merging = 0;      ///< the merge tree
+  double graph = 0;        ///< region features, region adjacency graph
+  double merging = 0;      ///< weights and the merge tree
   double labels = 0;       ///< cut, labels of the input points
   double total = 0;
 };
@@ -32,8 +33,8 @@ struct Segmentation {
   std::uint32_t segments = 0;
   std::size_t finite_points = 0;
   std::size_t voxels = 0;
-  double threshold = 0;  ///< of the cut; meaningless if the caller asked for a number of regions
-  double lambda = 0;     ///< weight of colour that was used (1 / 0 for `color` / `geometry`, 1/2 for Equalization)
+  std::optional<double> threshold;  ///< of the cut; unset if the caller asked for a number of regions
+  double lambda = 0;     ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
   StageTimings timings;
 };
 

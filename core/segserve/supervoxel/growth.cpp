@@ -46,17 +46,17 @@ struct Cluster {
 class Growth {
  public:
   Growth(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-         const Options& options)
+         const SupervoxelOptions& options)
       : adjacency_(adjacency),
-        normal_weight_(static_cast<float>(options.weights.normal)),
+        normal_weight_(static_cast<float>(options.normal_weight)),
         owner_(grid.size(), kNobody),
         distance_(grid.size(), kUnreached),
         seen_(grid.size(), 0) {
-    const double position_scale = options.weights.spatial / options.seed_resolution;
+    const double position_scale = options.spatial_weight / options.seed_resolution;
     features_.reserve(grid.size());
     for (std::size_t v = 0; v < grid.size(); ++v) {
       const Vec3 p = position_scale * grid.centroid[v];
-      const Vec3 c = (options.weights.color / 255 / grid.points[v]) * grid.color_sum[v];
+      const Vec3 c = (options.color_weight / 255 / grid.points[v]) * grid.color_sum[v];
       const Vec3& n = normals[v];
       const auto f = [](double value) { return static_cast<float>(value); };
       features_.push_back({f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)});
@@ -217,7 +217,7 @@ class Growth {
 
 absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
                                              const std::vector<Vec3>& normals, const Seeds& seeds,
-                                             const Options& options, const StopToken& stop) {
+                                             const SupervoxelOptions& options, const StopToken& stop) {
   const auto rounds = static_cast<int>(1.8 * options.seed_resolution / options.voxel_resolution + 1e-6) - 1;
   Growth growth(grid, adjacency, normals, options);
   growth.plant(seeds.chosen);

@@ -27,6 +27,6 @@ struct Supervoxels {
 /// voxel has exactly one supervoxel.
 absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
                                              const std::vector<Vec3>& normals, const Seeds& seeds,
-                                             const Options& options, const StopToken& stop);
+                                             const SupervoxelOptions& options, const StopToken& stop);
 
 }  // namespace segserve

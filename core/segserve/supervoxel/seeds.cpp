@@ -98,7 +98,7 @@ void select_seeds(const VoxelGrid& grid, const View& view, double voxel_resoluti
   const double radius = 0.5 * seed_resolution;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const std::uint32_t seed = cells.nearest_to_centre(c);
-    const double voxel = view.kind == ViewKind::kCamera ? voxel_resolution * grid.centroid[seed].z : voxel_resolution;
+    const double voxel = voxel_edge(voxel_resolution, view, grid.centroid[seed]);
     const double disc = math::kPi * radius * radius / (voxel * voxel);
     const bool enough = static_cast<double>(cells.count_within(seed, radius)) > 0.05 * disc;
     (enough ? seeds.chosen : seeds.sparse).push_back(seed);

@@ -111,8 +111,7 @@ absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacen
       if ((i - begin) % kStopInterval == 0 && stop.stopped()) return;
       const auto v = static_cast<std::uint32_t>(i);
       if (first[v] == Vec3{}) continue;
-      const double voxel = view.kind == ViewKind::kCamera ? voxel_resolution * grid.centroid[v].z : voxel_resolution;
-      normals[v] = refit.normal(v, rings.around(v), voxel);
+      normals[v] = refit.normal(v, rings.around(v), voxel_edge(voxel_resolution, view, grid.centroid[v]));
     }
   });
   return stop.check();

@@ -33,6 +33,11 @@ struct VoxelGrid {
   std::size_t size() const { return key.size(); }
 };
 
+/// Edge of a voxel at `position`, metres: in a CAMERA view it grows with the distance.
+inline double voxel_edge(double resolution, const View& view, const Vec3& position) {
+  return view.kind == ViewKind::kCamera ? resolution * position.z : resolution;
+}
+
 /// Buffers of `voxelize` that are worth keeping between calls.
 struct VoxelizeScratch {
   struct Part;  // what one thread gathers

@@ -11,6 +11,7 @@ namespace segserve::wire {
 namespace {
 
 constexpr std::array kMethods = {
+    std::pair{Method::kBorder, v1alpha1::METHOD_BORDER},
     std::pair{Method::kColor, v1alpha1::METHOD_COLOR},
     std::pair{Method::kGeometry, v1alpha1::METHOD_GEOMETRY},
     std::pair{Method::kLambda, v1alpha1::METHOD_LAMBDA},
@@ -40,6 +41,31 @@ class Hash {
   std::uint64_t state_ = 0xcbf29ce484222325U;
 };
 
+/// The field of SegmentOptions that has an option's name: a double or a uint32.
+class NumberField {
+ public:
+  explicit NumberField(const OptionInfo& option)
+      : field_(v1alpha1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name))), whole_(option.whole) {}
+
+  std::optional<double> get(const v1alpha1::SegmentOptions& message) const {
+    const google::protobuf::Reflection& reflection = *message.GetReflection();
+    if (!reflection.HasField(message, field_)) return std::nullopt;
+    return whole_ ? reflection.GetUInt32(message, field_) : reflection.GetDouble(message, field_);
+  }
+  void set(v1alpha1::SegmentOptions& message, double value) const {
+    const google::protobuf::Reflection& reflection = *message.GetReflection();
+    if (whole_) {
+      reflection.SetUInt32(&message, field_, static_cast<std::uint32_t>(value));
+    } else {
+      reflection.SetDouble(&message, field_, value);
+    }
+  }
+
+ private:
+  const google::protobuf::FieldDescriptor* field_;
+  bool whole_;
+};
+
 }  // namespace
 
 v1alpha1::Method to_message(Method method) {
@@ -59,15 +85,9 @@ std::optional<Method> from_message(v1alpha1::Method method) {
 v1alpha1::SegmentOptions to_message(const Options& options) {
   v1alpha1::SegmentOptions message;
   message.set_method(to_message(options.method));
-  message.set_voxel_resolution(options.voxel_resolution);
-  message.set_seed_resolution(options.seed_resolution);
-  message.set_color_weight(options.weights.color);
-  message.set_spatial_weight(options.weights.spatial);
-  message.set_normal_weight(options.weights.normal);
-  message.set_lambda(options.lambda);
-  if (options.threshold) message.set_threshold(*options.threshold);
-  if (options.regions) message.set_regions(*options.regions);
-  message.set_threads(options.threads);
+  for (const OptionInfo& option : option_table()) {
+    if (const std::optional<double> value = option.get(options)) NumberField(option).set(message, *value);
+  }
   return message;
 }
 
@@ -81,18 +101,10 @@ Options from_message(const v1alpha1::SegmentOptions& message, const Options& def
       faults.push_back({"options.method", fmt::format("{} is no method", static_cast<int>(message.method()))});
     }
   }
-  if (message.has_voxel_resolution()) options.voxel_resolution = message.voxel_resolution();
-  if (message.has_seed_resolution()) options.seed_resolution = message.seed_resolution();
-  if (message.has_color_weight()) options.weights.color = message.color_weight();
-  if (message.has_spatial_weight()) options.weights.spatial = message.spatial_weight();
-  if (message.has_normal_weight()) options.weights.normal = message.normal_weight();
-  if (message.has_lambda()) options.lambda = message.lambda();
-  if (message.cut_case() != v1alpha1::SegmentOptions::CUT_NOT_SET) {
-    options.threshold = message.has_threshold() ? std::optional(message.threshold()) : std::nullopt;
-    options.regions = message.has_regions() ? std::optional(message.regions()) : std::nullopt;
+  if (message.cut_case() != v1alpha1::SegmentOptions::CUT_NOT_SET) options.threshold = {}, options.regions = {};
+  for (const OptionInfo& option : option_table()) {
+    if (const std::optional<double> value = NumberField(option).get(message)) option.set(options, *value);
   }
-  if (message.has_threads()) options.threads = message.threads();
-
   for (FieldViolation& fault : violations(options)) {
     faults.push_back({"options." + fault.field, std::move(fault.description)});
   }
@@ -100,20 +112,15 @@ Options from_message(const v1alpha1::SegmentOptions& message, const Options& def
 }
 
 std::string options_hash(const Options& options) {
+  const Options effective = resolved(options);
   Hash hash;
-  hash.add(name(options.method));
-  hash.add(options.voxel_resolution);
-  hash.add(options.seed_resolution);
-  hash.add(options.weights.color);
-  hash.add(options.weights.spatial);
-  hash.add(options.weights.normal);
-  hash.add(options.method == Method::kFixedLambda ? options.lambda : 0.0);
-  if (options.regions) {
-    hash.add("regions");
-    hash.add(std::uint64_t{*options.regions});
-  } else {
-    hash.add("threshold");
-    hash.add(options.threshold.value_or(default_threshold(options.method)));
+  hash.add(name(effective.method));
+  for (const OptionInfo& option : option_table()) {
+    if (option.name == "threads" || (option.name == "lambda" && effective.method != Method::kFixedLambda)) continue;
+    if (const std::optional<double> value = option.get(effective)) {
+      hash.add(option.name);
+      hash.add(*value);
+    }
   }
   return fmt::format("{:016x}", hash.value());
 }

@@ -12,7 +12,7 @@ namespace segserve::wire {
 v1alpha1::Method to_message(Method method);
 std::optional<Method> from_message(v1alpha1::Method method);  ///< nullopt for UNSPECIFIED and unknown ones
 
-/// Every option as it is; no cut if neither threshold nor regions are set.
+/// What is set in the options; the rest is left to the server's defaults.
 v1alpha1::SegmentOptions to_message(const Options& options);
 
 /// The options of a request: `defaults` where it says nothing. A cut in the message replaces the cut of
@@ -20,8 +20,8 @@ v1alpha1::SegmentOptions to_message(const Options& options);
 Options from_message(const v1alpha1::SegmentOptions& message, const Options& defaults,
                      std::vector<FieldViolation>& faults);
 
-/// 16 hexadecimal digits (FNV-1a) over all options that decide results: not the number of threads; the default
-/// threshold counts as if it had been given.
+/// 16 hexadecimal digits (FNV-1a) over all options that decide results, the method's defaults included: not the
+/// number of threads.
 std::string options_hash(const Options& options);
 
 }  // namespace segserve::wire

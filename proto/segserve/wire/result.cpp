@@ -25,7 +25,7 @@ void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   summary.set_supervoxels(result.supervoxels);
   summary.set_segments(segmentation.segments);
   summary.set_method(to_message(result.method));
-  if (result.threshold) summary.set_threshold(*result.threshold);
+  if (result.segmentation.threshold) summary.set_threshold(*result.segmentation.threshold);
   if (result.regions) summary.set_regions(*result.regions);
   summary.set_lambda(segmentation.lambda);
   *summary.mutable_view() = to_message(result.view);
@@ -74,13 +74,12 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   result.segmentation.segments = summary.segments();
   result.segmentation.finite_points = summary.finite_points();
   result.segmentation.voxels = summary.voxels();
-  result.segmentation.threshold = summary.threshold();
+  if (summary.has_threshold()) result.segmentation.threshold = summary.threshold();
   result.segmentation.lambda = summary.lambda();
   read_timings(summary.timings(), result.timings, result.segmentation.timings);
   result.points = points;
   result.supervoxels = summary.supervoxels();
   result.method = *method;
-  if (summary.has_threshold()) result.threshold = summary.threshold();
   if (summary.has_regions()) result.regions = summary.regions();
   result.view = *view;
   result.view_rule = summary.view_rule();
@@ -114,7 +113,6 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
   result.points = cloud.size();
   result.supervoxels = static_cast<std::uint32_t>(segmentation.tree.leaf_count());
   result.method = options.method;
-  if (!options.regions) result.threshold = segmentation.threshold;
   result.regions = options.regions;
   result.view = cloud.view;
   result.view_rule = std::move(view_rule);

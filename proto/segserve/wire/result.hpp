@@ -26,8 +26,7 @@ struct Result {
   Segmentation segmentation;
   std::size_t points = 0;
   std::uint32_t supervoxels = 0;
-  Method method = Method::kLambdaConvex;
-  std::optional<double> threshold;       ///< of the cut; unset if a number of regions was asked for
+  Method method = Method::kBorder;
   std::optional<std::uint32_t> regions;  ///< asked for; unset if the cut is at a threshold
   View view;                             ///< that was used
   std::string view_rule;                 ///< why this view, for people

@@ -8,19 +8,6 @@
 #include "segserve/wire/options.hpp"
 
 namespace segserve::server {
-namespace {
-
-/// The value of a numeric field by its name; nullopt if it is not set.
-std::optional<double> value_of(const v1alpha1::SegmentOptions& options, const std::string& name) {
-  const google::protobuf::FieldDescriptor* field = options.GetDescriptor()->FindFieldByName(name);
-  const google::protobuf::Reflection* reflection = options.GetReflection();
-  if (field == nullptr || !reflection->HasField(options, field)) return std::nullopt;
-  return field->cpp_type() == google::protobuf::FieldDescriptor::CPPTYPE_UINT32 ? reflection->GetUInt32(options, field)
-                                                                                : reflection->GetDouble(options, field);
-}
-
-}  // namespace
-
 v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
   v1alpha1::GetServerInfoResponse info;
   info.set_version(kVersion);
@@ -37,12 +24,15 @@ v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::s
   limits.set_workers(static_cast<std::uint32_t>(workers));
   limits.set_max_queue(static_cast<std::uint32_t>(options.queue));
 
-  *info.mutable_default_options() = wire::to_message(options.defaults);
+  const Options defaults = resolved(options.defaults);
+  *info.mutable_default_options() = wire::to_message(defaults);
   for (const Method method : all_methods()) {
     v1alpha1::MethodInfo& entry = *info.add_methods();
     entry.set_method(wire::to_message(method));
     entry.set_name(std::string(name(method)));
-    entry.set_default_threshold(default_threshold(method));
+    Options with_method = options.defaults;
+    with_method.method = method;
+    *entry.mutable_defaults() = wire::to_message(resolved(with_method));
   }
   for (const OptionInfo& option : option_table()) {
     v1alpha1::OptionInfo& entry = *info.add_options();
@@ -51,7 +41,7 @@ v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::s
     entry.set_description(std::string(option.description));
     entry.set_minimum(option.minimum);
     entry.set_maximum(option.maximum);
-    if (const auto value = value_of(info.default_options(), entry.name())) entry.set_default_value(*value);
+    if (const std::optional<double> value = option.get(defaults)) entry.set_default_value(*value);
   }
   return info;
 }

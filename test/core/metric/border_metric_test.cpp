@@ -41,19 +41,20 @@ TEST(IsCut, CutsWhereTheLineOfCentroidsRunsAlongTheFold) {
   EXPECT_TRUE(is_cut({0, 0, 0}, kUp, {0.001, 0.03, 0}, tilted(60), 0.0075, 0.03));
 }
 
-RegionGraph regions(std::size_t count) {
+RegionGraph regions(const std::vector<double>& areas) {
   RegionGraph graph;
-  for (std::size_t r = 0; r < count; ++r) {
+  for (const double area : areas) {
     Region region;
     region.voxels = 1;
-    region.points = static_cast<std::uint32_t>(10 + r);
+    region.points = static_cast<std::uint32_t>(10 + graph.regions.size());
+    region.area = area;
     graph.regions.push_back(region);
   }
   return graph;
 }
 
 TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
-  BorderMetric metric(regions(3), {4e-4, 16e-4, 64e-4}, {});
+  BorderMetric metric(regions({4e-4, 16e-4, 64e-4}), {});
   EXPECT_DOUBLE_EQ(metric.dissimilarity(0, 2, {4, 4 * 14.5}), 0) << "the smaller region is below size_area";
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6, 1e-12) << "one doubling";
   EXPECT_EQ(metric.dissimilarity(1, 2, {3, 7}), metric.dissimilarity(2, 1, {3, 7}));
@@ -63,7 +64,7 @@ TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
 }
 
 TEST(BorderMetric, WeightIsTheSigmoid) {
-  const BorderMetric metric(regions(1), {1}, {});
+  const BorderMetric metric(regions({1}), {});
   EXPECT_EQ(metric.weight(0), 0.5);
   EXPECT_NEAR(metric.weight(2), 1 / (1 + std::exp(-2.0)), 1e-15);
   EXPECT_EQ(metric.weight(1e9), 1);
@@ -74,23 +75,20 @@ TEST(BorderMetric, GivesAMonotoneTreeOnAnyGraph) {
   std::mt19937_64 random(4);
   const auto pick = [&](int n) { return static_cast<double>(random() % static_cast<unsigned>(n)); };
   for (int trial = 0; trial < 20; ++trial) {
-    const RegionGraph graph = [&] {
-      RegionGraph g = regions(60);
-      for (std::uint32_t a = 0; a < 60; ++a) {
-        for (std::uint32_t b = a + 1; b < 60; ++b) {
-          if (random() % 10 == 0) g.edges.push_back({a, b});
-        }
+    std::vector<double> areas;
+    for (std::size_t r = 0; r < 60; ++r) areas.push_back(1e-4 * (1 + pick(40)));
+    RegionGraph graph = regions(areas);
+    for (std::uint32_t a = 0; a < 60; ++a) {
+      for (std::uint32_t b = a + 1; b < 60; ++b) {
+        if (random() % 10 == 0) graph.edges.push_back({a, b});
       }
-      return g;
-    }();
-    std::vector<double> area;
-    for (std::size_t r = 0; r < 60; ++r) area.push_back(1e-4 * (1 + pick(40)));
+    }
     std::vector<BorderMetric::Evidence> evidence;
     for (std::size_t e = 0; e < graph.edges.size(); ++e) {
       const double pairs = 1 + pick(30);
       evidence.push_back({pairs, pairs * pick(25)});
     }
-    BorderMetric metric(graph, area, {});
+    BorderMetric metric(graph, {});
     const MergeTree tree = *merge_regions<BorderMetric>(graph.edges, evidence, metric);
     for (std::size_t row = 1; row < tree.row_count(); ++row) {
       ASSERT_GE(tree.weight[row], tree.weight[row - 1] * (1 - 1e-12)) << "trial " << trial << ", row " << row;
@@ -109,8 +107,8 @@ TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
   find_adjacency(grid, adjacency);
   ASSERT_TRUE(compute_normals(grid, adjacency, cloud.view, 1, StopToken(), normals).ok());
   select_seeds(grid, cloud.view, 0.01, 0.08, seeds);
-  const Supervoxels s = *grow_supervoxels(grid, adjacency, normals, seeds, {}, StopToken());
-  const RegionGraph graph = build_region_graph(grid, adjacency, normals, s);
+  const Supervoxels s = *grow_supervoxels(grid, adjacency, normals, seeds, {0.01, 0.08, 0.2, 0.4, 1}, StopToken());
+  const RegionGraph graph = build_region_graph(grid, adjacency, normals, s, cloud.view, 0.01);
 
   struct Sum {
     double pairs = 0, angles = 0;

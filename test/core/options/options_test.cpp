@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -21,22 +22,53 @@ TEST(Options, DefaultsAreValid) {
   }
 }
 
-TEST(Options, TableHoldsTheDefaultsAndTheyAreInRange) {
+TEST(Options, TableHoldsDefaultsInRangeForEveryMethod) {
   for (const OptionInfo& option : option_table()) {
     EXPECT_LT(option.minimum, option.maximum) << option.name;
     EXPECT_FALSE(option.description.empty()) << option.name;
-    if (option.default_value) {
-      EXPECT_GE(*option.default_value, option.minimum) << option.name;
-      EXPECT_LE(*option.default_value, option.maximum) << option.name;
+    for (const Method method : all_methods()) {
+      const std::optional<double> value = default_value(option, method);
+      EXPECT_EQ(value.has_value(), option.name != "regions") << option.name;
+      if (value) {
+        EXPECT_EQ(violation(option, *value), std::nullopt) << option.name;
+      }
     }
   }
+}
+
+TEST(Options, TableWritesWhatItReads) {
+  for (const OptionInfo& option : option_table()) {
+    Options options;
+    option.set(options, option.maximum);
+    EXPECT_EQ(option.get(options), option.maximum) << option.name;
+  }
+}
+
+TEST(Options, AreResolvedByTheMethodWhereUnset) {
+  const Options paper = resolved({.method = Method::kLambdaConvex, .seed_resolution = 0.05});
+  EXPECT_EQ(paper.voxel_resolution, 0.008);
+  EXPECT_EQ(paper.seed_resolution, 0.05);
+  EXPECT_EQ(paper.threshold, 0.15);
+  const Options border = resolved({});
+  EXPECT_EQ(border.voxel_resolution, 0.0075);
+  EXPECT_EQ(border.seed_resolution, 0.03);
+  EXPECT_EQ(border.color_weight, 0);
+  EXPECT_EQ(border.threshold, 0.5);
+  EXPECT_EQ(resolved({.regions = 3}).threshold, std::nullopt);
+  EXPECT_EQ(resolved(border), border);
+}
+
+TEST(Options, WholeNumbersAreAskedForWhereTheyAreNeeded) {
+  const auto* threads = std::ranges::find(option_table(), "threads", &OptionInfo::name).base();
+  EXPECT_EQ(violation(*threads, 2), std::nullopt);
+  EXPECT_THAT(violation(*threads, 2.5)->description, HasSubstr("2.5 is not a whole number in [1, 64]"));
 }
 
 TEST(Options, EveryFaultIsNamedAtOnce) {
   Options options;
   options.voxel_resolution = -1;
   options.seed_resolution = std::numeric_limits<double>::quiet_NaN();
-  options.weights.normal = std::numeric_limits<double>::infinity();
+  options.normal_weight = std::numeric_limits<double>::infinity();
   options.threshold = -1;
   options.regions = 0;
   options.threads = 0;
@@ -68,7 +100,7 @@ TEST(Options, SeedsAreNotBelowVoxels) {
 }
 
 TEST(Methods, HaveNamesThatLeadBackToThem) {
-  EXPECT_EQ(all_methods().size(), 7U);
+  EXPECT_EQ(all_methods().size(), 8U);
   for (const Method method : all_methods()) EXPECT_EQ(method_from_name(name(method)), method);
   EXPECT_EQ(method_from_name("nonsense"), std::nullopt);
 }

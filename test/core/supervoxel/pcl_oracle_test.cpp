@@ -27,7 +27,7 @@ struct Sums {
 };
 
 /// One id a point; PCL's 0, a point it left out, becomes a supervoxel of its own kind.
-std::vector<std::uint32_t> pcl_supervoxels(const Cloud& cloud, const Options& options, std::size_t& count) {
+std::vector<std::uint32_t> pcl_supervoxels(const Cloud& cloud, const SupervoxelOptions& options, std::size_t& count) {
   const pcl::PointCloud<pcl::PointXYZRGBA>::Ptr points(new pcl::PointCloud<pcl::PointXYZRGBA>(cloud.width, cloud.height));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     pcl::PointXYZRGBA& p = (*points)[i];
@@ -39,9 +39,9 @@ std::vector<std::uint32_t> pcl_supervoxels(const Cloud& cloud, const Options& op
                                                           static_cast<float>(options.seed_resolution));
   clustering.setUseSingleCameraTransform(cloud.view.kind == ViewKind::kCamera);
   clustering.setInputCloud(points);
-  clustering.setColorImportance(static_cast<float>(options.weights.color));
-  clustering.setSpatialImportance(static_cast<float>(options.weights.spatial));
-  clustering.setNormalImportance(static_cast<float>(options.weights.normal));
+  clustering.setColorImportance(static_cast<float>(options.color_weight));
+  clustering.setSpatialImportance(static_cast<float>(options.spatial_weight));
+  clustering.setNormalImportance(static_cast<float>(options.normal_weight));
   std::map<std::uint32_t, pcl::Supervoxel<pcl::PointXYZRGBA>::Ptr> clusters;
   clustering.extract(clusters);
   count = clusters.size();
@@ -55,7 +55,7 @@ void compare(const codec::LabelledCloud& frame, const Options& options, Sums& ou
   const Segmentation s = *segment(frame.cloud, options);
   ours.add(frame.label, s.supervoxels, s.tree.leaf_count());
   std::size_t count = 0;
-  const std::vector<std::uint32_t> ids = pcl_supervoxels(frame.cloud, options, count);
+  const std::vector<std::uint32_t> ids = pcl_supervoxels(frame.cloud, supervoxel_options(options), count);
   pcl.add(frame.label, ids, count);
 }
 
@@ -103,10 +103,8 @@ TEST_P(PclSupervoxels, AreNotBetterOnSyntheticFrames) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Resolutions, PclSupervoxels,
-                         testing::Values(Resolution{"paper", Options{}},
-                                         Resolution{"fine", Options{.voxel_resolution = 0.0075,
-                                                                    .seed_resolution = 0.03,
-                                                                    .weights = {0, 1, 4}}}),
+                         testing::Values(Resolution{"paper", {.method = Method::kLambdaConvex}},
+                                         Resolution{"fine", {.method = Method::kBorder}}),
                          [](const auto& param) { return param.param.name; });
 
 }  // namespace

@@ -20,7 +20,9 @@ struct Stages {
   Supervoxels supervoxels;
 };
 
-Stages run(const Cloud& cloud, const Options& options = {}) {
+constexpr SupervoxelOptions kPaper{0.008, 0.08, 0.2, 0.4, 1};
+
+Stages run(const Cloud& cloud, const SupervoxelOptions& options = kPaper) {
   Stages s;
   VoxelizeScratch scratch;
   EXPECT_TRUE(voxelize(cloud, options.voxel_resolution, 1, StopToken(), scratch, s.grid).ok());
@@ -109,9 +111,7 @@ TEST(Growth, KeepsComponentsApart) {
 }
 
 TEST(Growth, FollowsColorsWhenTheyWeigh) {
-  Options options;
-  options.weights = {1, 0.1, 1};
-  const Stages s = run(two_colored_patches(), options);
+  const Stages s = run(two_colored_patches(), {0.008, 0.08, 1, 0.1, 1});
   std::vector<std::set<bool>> colors(s.supervoxels.count);
   for (std::size_t v = 0; v < s.grid.size(); ++v) {
     if (s.grid.color_sum[v].x > 0 && s.grid.color_sum[v].z > 0) continue;  // a voxel across the border
@@ -129,14 +129,14 @@ TEST(RegionGraph, HoldsEachAdjacentPairOnceInOrder) {
       if (a < b) expected.emplace(a, b);
     }
   }
-  const RegionGraph graph = build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels);
+  const RegionGraph graph = build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels, View::camera(), 0.008);
   ASSERT_EQ(graph.edges.size(), expected.size());
   EXPECT_TRUE(std::ranges::equal(graph.edges, expected, {}, [](const RegionEdge& e) { return std::pair(e.a, e.b); }));
 }
 
 TEST(RegionGraph, SumsOfRegionsAreThoseOfTheirVoxelsAndSurviveMerging) {
   const Stages s = run(two_colored_patches());
-  const RegionGraph graph = build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels);
+  const RegionGraph graph = build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels, View::camera(), 0.008);
   Region all = graph.regions[0];
   for (std::size_t r = 1; r < graph.regions.size(); ++r) all.merge(graph.regions[r]);
   Vec3 mean, color;
@@ -147,6 +147,9 @@ TEST(RegionGraph, SumsOfRegionsAreThoseOfTheirVoxelsAndSurviveMerging) {
   for (const Vec3& c : s.grid.color_sum) color += c;
   EXPECT_EQ(all.voxels, static_cast<double>(s.grid.size()));
   EXPECT_EQ(all.points, s.grid.finite_points);
+  double area = 0;
+  for (const Vec3& c : s.grid.centroid) area += 0.008 * c.z * 0.008 * c.z;
+  EXPECT_NEAR(all.area / area, 1, 1e-12) << "in a CAMERA view a voxel is as large as its distance makes it";
   EXPECT_EQ(all.color_sum, color);
   EXPECT_NEAR(norm(all.centroid - mean), 0, 1e-12);
   EXPECT_NEAR(all.scatter.xx / scatter.xx, 1, 1e-12);
