@@ -19,8 +19,8 @@ absl::Status check_shape(const CloudView& cloud) {
   }
   if (cloud.y.size() != n || cloud.z.size() != n || (cloud.has_color() && cloud.rgb.size() != n)) {
     return absl::InvalidArgumentError(
-        fmt::format("the planes of the cloud differ in length: x has {}, y {}, z {}, rgb {} entries", n,
-                    cloud.y.size(), cloud.z.size(), cloud.rgb.size()));
+        fmt::format("the planes of the cloud differ in length: x has {}, y {}, z {}, rgb {} entries", n, cloud.y.size(),
+                    cloud.z.size(), cloud.rgb.size()));
   }
   if (std::uint64_t{cloud.width} * cloud.height != n) {
     return absl::InvalidArgumentError(

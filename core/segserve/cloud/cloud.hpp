@@ -31,9 +31,7 @@ struct View {
 
   static View camera() { return {}; }
   static View world() { return {ViewKind::kWorld, std::nullopt}; }
-  static View world(float x, float y, float z) {
-    return {ViewKind::kWorld, std::array<float, 3>{x, y, z}};
-  }
+  static View world(float x, float y, float z) { return {ViewKind::kWorld, std::array<float, 3>{x, y, z}}; }
   /// Whether it is known where the sensor is.
   bool has_sensor() const { return kind == ViewKind::kCamera || sensor.has_value(); }
   bool operator==(const View&) const = default;
@@ -85,7 +83,8 @@ inline bool is_finite(float x, float y, float z) {
 }
 
 /// INVALID_ARGUMENT if the cloud is empty or has more than kMaxPoints, its planes differ in length,
-/// width * height is not its size, or the view contradicts itself. Coordinates are checked where they are read (voxelize).
+/// width * height is not its size, or the view contradicts itself. Coordinates are checked where they are read
+/// (voxelize).
 absl::Status check_shape(const CloudView& cloud);
 
 }  // namespace segserve

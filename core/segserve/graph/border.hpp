@@ -16,7 +16,6 @@ struct Border {
 /// if (na - nb) . (xa - xb) < 0, by the angle of its normals; `dead_zone` (degrees) is taken off that. Where a
 /// normal is not defined the angle counts as 0.
 std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
-                                    double dead_zone);
+                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels, double dead_zone);
 
 }  // namespace segserve

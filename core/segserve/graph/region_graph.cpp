@@ -59,9 +59,8 @@ void Region::merge(const Region& other) {
   area += other.area;
 }
 
-RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                               const std::vector<Vec3>& normals, const Supervoxels& supervoxels, const View& view,
-                               double voxel_resolution) {
+RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                               const Supervoxels& supervoxels, const View& view, double voxel_resolution) {
   RegionGraph graph;
   const VoxelsBySupervoxel voxels(supervoxels);
   graph.regions.reserve(supervoxels.count);

@@ -16,7 +16,7 @@ namespace segserve {
 struct Region {
   double voxels = 0;
   std::uint32_t points = 0;
-  double area = 0;         ///< sum of the voxels' faces, m^2
+  double area = 0;     ///< sum of the voxels' faces, m^2
   Vec3 centroid;       ///< mean of the voxels' centroids, metres
   Symmetric3 scatter;  ///< of the voxels' centroids about their mean, m^2
   Vec3 normal_sum;     ///< of the voxels' unit normals
@@ -34,13 +34,12 @@ struct RegionEdge {
 
 /// G^m of the paper: the supervoxels and which of them are adjacent, edges ascending by (a, b).
 struct RegionGraph {
-  std::vector<Region> regions;    ///< m
+  std::vector<Region> regions;  ///< m
   std::vector<RegionEdge> edges;
 };
 
 /// Supervoxels are adjacent if a voxel of one is among the 26 neighbours of a voxel of the other.
-RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                               const std::vector<Vec3>& normals, const Supervoxels& supervoxels, const View& view,
-                               double voxel_resolution);
+RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                               const Supervoxels& supervoxels, const View& view, double voxel_resolution);
 
 }  // namespace segserve

@@ -9,8 +9,8 @@ namespace {
 /// From 0 on, left of all roots, Newton's steps rise towards it and never pass it.
 double smallest_eigenvalue(const Symmetric3& a) {
   const double c1 = (a.xx * a.yy - a.xy * a.xy) + (a.xx * a.zz - a.xz * a.xz) + (a.yy * a.zz - a.yz * a.yz);
-  const double c0 = a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
-                    a.xz * (a.xy * a.yz - a.yy * a.xz);
+  const double c0 =
+      a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) + a.xz * (a.xy * a.yz - a.yy * a.xz);
   double t = 0;
   for (int step = 0; step < 50; ++step) {
     const double value = ((t - 1) * t + c1) * t - c0;

@@ -12,7 +12,8 @@ namespace segserve {
 template <typename Value>
 class Tournament {
  public:
-  Tournament(std::size_t n, Value worst) : leaves_(std::bit_ceil(std::max<std::size_t>(n, 1))), nodes_(2 * leaves_, worst) {}
+  Tournament(std::size_t n, Value worst)
+      : leaves_(std::bit_ceil(std::max<std::size_t>(n, 1))), nodes_(2 * leaves_, worst) {}
 
   const Value& winner() const { return nodes_[1]; }
   const Value& operator[](std::size_t i) const { return nodes_[leaves_ + i]; }

@@ -30,7 +30,7 @@ class TreeBuilder {
     std::uint32_t id, leaves, points;
   };
   MergeTree tree_;
-  std::vector<Node> node_;   // of each region
+  std::vector<Node> node_;  // of each region
   std::vector<bool> alive_;
 };
 

@@ -8,20 +8,24 @@
 namespace segserve {
 namespace {
 
-bool uses_convexity(Method method) {
-  return method == Method::kLambdaConvex || method == Method::kEqualizationConvex;
-}
+bool uses_convexity(Method method) { return method == Method::kLambdaConvex || method == Method::kEqualizationConvex; }
 
 Unification learn(const Options& options, std::span<const double> color, std::span<const double> geometry) {
   switch (options.method) {
-    case Method::kColor: return Unification::fixed(1);
-    case Method::kGeometry: return Unification::fixed(0);
-    case Method::kFixedLambda: return Unification::fixed(options.lambda);
+    case Method::kColor:
+      return Unification::fixed(1);
+    case Method::kGeometry:
+      return Unification::fixed(0);
+    case Method::kFixedLambda:
+      return Unification::fixed(options.lambda);
     case Method::kLambda:
-    case Method::kLambdaConvex: return Unification::adaptive(color, geometry);
+    case Method::kLambdaConvex:
+      return Unification::adaptive(color, geometry);
     case Method::kEqualization:
-    case Method::kEqualizationConvex: return Unification::equalization(color, geometry);
-    case Method::kBorder: break;  // has a metric of its own
+    case Method::kEqualizationConvex:
+      return Unification::equalization(color, geometry);
+    case Method::kBorder:
+      break;  // has a metric of its own
   }
   return Unification::fixed(options.lambda);
 }

@@ -38,7 +38,12 @@ bool is_method(Method method) { return static_cast<std::size_t>(method) < kMetho
 template <auto member>
 constexpr OptionInfo number(std::string_view name, std::string_view unit, std::string_view description, double minimum,
                             double maximum) {
-  return {name, unit, description, minimum, maximum, false,
+  return {name,
+          unit,
+          description,
+          minimum,
+          maximum,
+          false,
           [](const Options& o) { return std::optional<double>(o.*member); },
           [](Options& o, double value) { o.*member = value; }};
 }
@@ -46,7 +51,12 @@ constexpr OptionInfo number(std::string_view name, std::string_view unit, std::s
 /// An option that is a whole number, or an optional one.
 template <auto member>
 constexpr OptionInfo whole(std::string_view name, std::string_view description, double minimum, double maximum) {
-  return {name, "", description, minimum, maximum, true,
+  return {name,
+          "",
+          description,
+          minimum,
+          maximum,
+          true,
           [](const Options& o) {
             const std::optional<std::uint32_t> value = o.*member;
             return value ? std::optional<double>(*value) : std::nullopt;
@@ -57,9 +67,8 @@ constexpr OptionInfo whole(std::string_view name, std::string_view description, 
 constexpr std::array kTable = {
     number<&Options::voxel_resolution>("voxel_resolution", "m", "edge of a voxel; in a CAMERA view at 1 m distance",
                                        0.001, 1),
-    number<&Options::seed_resolution>("seed_resolution", "m",
-                                      "distance between the seeds of supervoxels; not below voxel_resolution", 0.002,
-                                      10),
+    number<&Options::seed_resolution>(
+        "seed_resolution", "m", "distance between the seeds of supervoxels; not below voxel_resolution", 0.002, 10),
     number<&Options::color_weight>("color_weight", "", "weight of colour in the supervoxel distance", 0, 100),
     number<&Options::spatial_weight>("spatial_weight", "", "weight of position in the supervoxel distance", 0, 100),
     number<&Options::normal_weight>("normal_weight", "", "weight of the normals in the supervoxel distance", 0, 100),
@@ -115,7 +124,8 @@ std::optional<double> default_value(const OptionInfo& option, Method method) {
 
 std::optional<FieldViolation> violation(const OptionInfo& option, double value) {
   const bool in_range = value >= option.minimum && value <= option.maximum;  // a NaN is in no range
-  if (in_range && (!option.whole || value == static_cast<double>(static_cast<std::int64_t>(value)))) return std::nullopt;
+  if (in_range && (!option.whole || value == static_cast<double>(static_cast<std::int64_t>(value))))
+    return std::nullopt;
   return FieldViolation{std::string(option.name),
                         fmt::format("{} is not {}in [{}, {}]{}{}", value, option.whole ? "a whole number " : "",
                                     option.minimum, option.maximum, option.unit.empty() ? "" : " ", option.unit)};
@@ -150,7 +160,8 @@ absl::Status check(const Options& options) {
   if (faults.empty()) return absl::OkStatus();
   std::string message;
   for (const FieldViolation& fault : faults) {
-    fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ", fault.field, fault.description);
+    fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ", fault.field,
+                   fault.description);
   }
   return absl::InvalidArgumentError(message);
 }

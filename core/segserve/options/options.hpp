@@ -60,7 +60,7 @@ double default_threshold(Method method);
 
 /// The settings of the supervoxels, resolved.
 struct SupervoxelOptions {
-  double voxel_resolution, seed_resolution;            // metres
+  double voxel_resolution, seed_resolution;  // metres
   double color_weight, spatial_weight, normal_weight;
 };
 SupervoxelOptions supervoxel_options(const Options& options);

@@ -125,10 +125,9 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.graph = watch.lap();
 
   // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
-  absl::StatusOr<MergeTree> tree =
-      options.method == Method::kBorder
-          ? merge_by_border(graph, grid, adjacency, normals, *supervoxels, settings, stop)
-          : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
+  absl::StatusOr<MergeTree> tree = options.method == Method::kBorder
+                                       ? merge_by_border(graph, grid, adjacency, normals, *supervoxels, settings, stop)
+                                       : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);
   timings.merging = watch.lap();
@@ -137,7 +136,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   const absl::StatusOr<Cut> level = cut(result.tree, options);
   if (!level.ok()) return level.status();
   result.segments = level->segments;
-  result.labels = spread(grid, *supervoxels, options.threads, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
+  result.labels =
+      spread(grid, *supervoxels, options.threads, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
   result.supervoxels = spread(grid, *supervoxels, options.threads, [](std::uint32_t s) { return s + 1; });
   timings.labels = watch.lap();
 

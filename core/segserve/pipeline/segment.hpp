@@ -34,7 +34,7 @@ struct Segmentation {
   std::size_t finite_points = 0;
   std::size_t voxels = 0;
   std::optional<double> threshold;  ///< of the cut; unset if the caller asked for a number of regions
-  double lambda = 0;     ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
+  double lambda = 0;  ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
   StageTimings timings;
 };
 
@@ -50,8 +50,7 @@ class Segmenter {
   /// Errors: INVALID_ARGUMENT (options; shape; a CAMERA point with z <= 0; a coordinate beyond the
   /// grid), CANCELLED, DEADLINE_EXCEEDED. A cloud without any finite point is no error: all labels
   /// are 0 and the tree is empty.
-  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options,
-                                       const StopToken& stop = {});
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
  private:
   struct Workspace;
@@ -59,7 +58,6 @@ class Segmenter {
 };
 
 /// The same for a single cloud.
-absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options,
-                                     const StopToken& stop = {});
+absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
 }  // namespace segserve

@@ -14,8 +14,7 @@ class StopToken {
   using Clock = std::chrono::steady_clock;
 
   StopToken() = default;
-  explicit StopToken(const std::atomic<bool>* cancelled,
-                     std::optional<Clock::time_point> deadline = std::nullopt)
+  explicit StopToken(const std::atomic<bool>* cancelled, std::optional<Clock::time_point> deadline = std::nullopt)
       : cancelled_(cancelled), deadline_(deadline) {}
 
   /// CANCELLED, DEADLINE_EXCEEDED or OK. Called between stages and inside the long ones.

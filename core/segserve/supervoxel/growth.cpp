@@ -207,8 +207,8 @@ class Growth {
   float normal_weight_;
   std::vector<Feature> features_;
   std::vector<std::uint32_t> owner_;
-  std::vector<float> distance_;       // to the owner's centre when it took the voxel
-  std::vector<std::uint32_t> seen_;   // the turn that measured the voxel last
+  std::vector<float> distance_;      // to the owner's centre when it took the voxel
+  std::vector<std::uint32_t> seen_;  // the turn that measured the voxel last
   std::vector<Cluster> clusters_;
   std::uint32_t turn_ = 0;
 };

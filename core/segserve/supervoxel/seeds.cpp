@@ -72,9 +72,7 @@ class SeedCells {
   VoxelKey cell(const Vec3& p) const {
     return static_cast<VoxelKey>(axis(p.z) * kLayerStep + axis(p.y) * kRowStep + axis(p.x));
   }
-  std::int64_t axis(double metres) const {
-    return std::int64_t{math::floor_to_int(metres / resolution_)} + kCellBias;
-  }
+  std::int64_t axis(double metres) const { return std::int64_t{math::floor_to_int(metres / resolution_)} + kCellBias; }
   /// The ball reaches into at most two rows a direction; if both ends lie in the same one, visit it once.
   bool skip_repeated(const Vec3& middle, double radius, double dy, double dz) const {
     return (dy > 0 && axis(middle.y - radius) == axis(middle.y + radius)) ||

@@ -55,8 +55,8 @@ absl::StatusOr<std::vector<std::uint32_t>> label_points(std::span<const std::uin
   std::vector<std::uint32_t> labels(supervoxels.size());
   for (std::size_t i = 0; i < supervoxels.size(); ++i) {
     if (supervoxels[i] >= segment.size()) {
-      return absl::InvalidArgumentError(fmt::format("point {}: supervoxel {} is not a leaf of the tree, which has {}", i,
-                                                    supervoxels[i], cut.segment_of_leaf.size()));
+      return absl::InvalidArgumentError(fmt::format("point {}: supervoxel {} is not a leaf of the tree, which has {}",
+                                                    i, supervoxels[i], cut.segment_of_leaf.size()));
     }
     labels[i] = segment[supervoxels[i]];
   }

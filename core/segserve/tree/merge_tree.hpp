@@ -52,7 +52,6 @@ absl::StatusOr<Cut> cut_to_regions(const MergeTree& tree, std::uint32_t regions)
 
 /// Labels of points from their supervoxels (N entries; 0 = not finite, 1..m) in O(N).
 /// INVALID_ARGUMENT if a supervoxel is not a leaf of the cut.
-absl::StatusOr<std::vector<std::uint32_t>> label_points(std::span<const std::uint32_t> supervoxels,
-                                                        const Cut& cut);
+absl::StatusOr<std::vector<std::uint32_t>> label_points(std::span<const std::uint32_t> supervoxels, const Cut& cut);
 
 }  // namespace segserve

@@ -11,7 +11,7 @@ namespace segserve {
 /// The 26-neighbourhood of every voxel as compressed sparse rows: the neighbours of v, ascending and
 /// without v itself, are neighbor[offset[v] .. offset[v + 1]).
 struct VoxelAdjacency {
-  std::vector<std::uint32_t> offset;    ///< V + 1
+  std::vector<std::uint32_t> offset;  ///< V + 1
   std::vector<std::uint32_t> neighbor;
 
   std::span<const std::uint32_t> of(std::uint32_t v) const {

@@ -52,7 +52,7 @@ class CellMapping {
   }
 
  private:
-  static constexpr float kUnitLimit = 1073741824.0F;  // 2^30
+  static constexpr float kUnitLimit = 1073741824.0F;                      // 2^30
   static constexpr float kCellLimit = static_cast<float>(kCellBias - 2);  // neighbours never leave the 21 bits
   static constexpr float kSmallest = 1.1754944e-38F;  // below it, numbers are subnormal and ln is not defined
 

@@ -13,9 +13,9 @@ namespace segserve {
 
 /// How `refine_normals` weighs a neighbour.
 struct EdgeAwareOptions {
-  double angle = 20;      ///< between the first normals at which the weight has fallen to 1/e, degrees
-  double offset = 0.25;   ///< standard deviation of the distance from the other's plane, voxels
-  double support = 2.5;   ///< sum of weights below which the first normal stays
+  double angle = 20;     ///< between the first normals at which the weight has fallen to 1/e, degrees
+  double offset = 0.25;  ///< standard deviation of the distance from the other's plane, voxels
+  double support = 2.5;  ///< sum of weights below which the first normal stays
 };
 
 /// Normals that are not averaged across edges: refits each voxel's plane to the centroids of itself and of

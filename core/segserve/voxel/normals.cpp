@@ -70,12 +70,8 @@ class TwoRingMoments {
     Moments r = m;
     r.sum += m.count * t;
     r.square += m.count * outer(t);
-    r.square += {2 * t.x * m.sum.x,
-                 t.x * m.sum.y + t.y * m.sum.x,
-                 t.x * m.sum.z + t.z * m.sum.x,
-                 2 * t.y * m.sum.y,
-                 t.y * m.sum.z + t.z * m.sum.y,
-                 2 * t.z * m.sum.z};
+    r.square += {2 * t.x * m.sum.x, t.x * m.sum.y + t.y * m.sum.x, t.x * m.sum.z + t.z * m.sum.x,
+                 2 * t.y * m.sum.y, t.y * m.sum.z + t.z * m.sum.y, 2 * t.z * m.sum.z};
     return r;
   }
 
@@ -143,8 +139,8 @@ Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view) 
   return dot(normal, sensor - position) < 0 ? -normal : normal;
 }
 
-absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                             unsigned threads, const StopToken& stop, std::vector<Vec3>& normals) {
+absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view, unsigned threads,
+                             const StopToken& stop, std::vector<Vec3>& normals) {
   constexpr std::size_t kStopInterval = 4096;
   normals.resize(grid.size());
   const TwoRingMoments moments(grid, adjacency, threads);

@@ -19,7 +19,7 @@ Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view);
 /// their neighbours, each as often as a path leads to it (as PCL's SupervoxelClustering does). The
 /// zero vector where no plane is defined. Turned towards the sensor; in a WORLD view without one,
 /// made consistent over each connected component, whose normals sum up to point upwards (+z).
-absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                             unsigned threads, const StopToken& stop, std::vector<Vec3>& normals);
+absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view, unsigned threads,
+                             const StopToken& stop, std::vector<Vec3>& normals);
 
 }  // namespace segserve

@@ -25,7 +25,7 @@ struct Sums {
   }
 };
 
-constexpr std::size_t kChunk = 2048;           // points whose keys are kept in the first cache
+constexpr std::size_t kChunk = 2048;              // points whose keys are kept in the first cache
 constexpr std::size_t kStopInterval = 1U << 15U;  // points between two looks at the stop token
 
 }  // namespace

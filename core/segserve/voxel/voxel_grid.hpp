@@ -20,10 +20,10 @@ inline constexpr std::int32_t kCellBias = 1 << (kCellBits - 1);
 /// The occupied voxels of a cloud, in ascending order of their keys. The grid's origin is fixed, and
 /// sums are taken in integers: voxels depend neither on the order of the points nor on threads.
 struct VoxelGrid {
-  std::vector<VoxelKey> key;           ///< V
-  std::vector<Vec3> centroid;          ///< V: mean of the voxel's points, metres, the cloud's frame
-  std::vector<Vec3> color_sum;         ///< V: sum of (R, G, B), 0..255 each, over its points; whole numbers
-  std::vector<std::uint32_t> points;   ///< V: number of its points
+  std::vector<VoxelKey> key;          ///< V
+  std::vector<Vec3> centroid;         ///< V: mean of the voxel's points, metres, the cloud's frame
+  std::vector<Vec3> color_sum;        ///< V: sum of (R, G, B), 0..255 each, over its points; whole numbers
+  std::vector<std::uint32_t> points;  ///< V: number of its points
   /// N: every point's slot, in order of first appearance; 0 for a point that is not finite.
   std::vector<std::uint32_t> slot_of_point;
   /// The voxel of every slot, [0] unused: a value per voxel becomes one per point by one gather.

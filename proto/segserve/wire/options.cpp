@@ -45,7 +45,8 @@ class Hash {
 class NumberField {
  public:
   explicit NumberField(const OptionInfo& option)
-      : field_(v1alpha1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name))), whole_(option.whole) {}
+      : field_(v1alpha1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name))),
+        whole_(option.whole) {}
 
   std::optional<double> get(const v1alpha1::SegmentOptions& message) const {
     const google::protobuf::Reflection& reflection = *message.GetReflection();

@@ -14,7 +14,8 @@ TEST(SmallestEigenvector, AgreesWithEigenOnPlanarPatches) {
   for (int trial = 0; trial < 2000; ++trial) {
     // A random rotation of a flat patch whose thickness goes down to nothing.
     const double thickness = trial % 10 == 0 ? 0 : std::pow(10.0, -(trial % 7));
-    const Eigen::Quaterniond q = Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
     const Eigen::Vector3d spread(1, 0.3, 0.2 * thickness);
     const Eigen::Matrix3d r = q.toRotationMatrix();
     const Eigen::Matrix3d a = r * spread.cwiseAbs2().asDiagonal() * r.transpose();

@@ -77,7 +77,8 @@ TEST_P(MergeOracle, TheFastLoopEqualsTheNaiveOneMergeByMerge) {
       const RegionGraph graph = random_graph(random, regions, density);
       PaperMetric metric(graph, View::camera(), options);
       const MergeTree expected = merge_naively(graph, metric);
-      const absl::StatusOr<MergeTree> tree = merge_regions<PaperMetric>(graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), metric);
+      const absl::StatusOr<MergeTree> tree =
+          merge_regions<PaperMetric>(graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), metric);
       ASSERT_TRUE(tree.ok());
       EXPECT_TRUE(*tree == expected) << regions << " regions, density " << density << ", trial " << trial;
       EXPECT_TRUE(check(*tree).ok()) << check(*tree);
@@ -161,8 +162,7 @@ TEST(Merge, StopsWhenAsked) {
   TableMetric metric{std::vector(4, std::vector<double>(4, 0.2))};
   const std::vector<RegionEdge> edges{{0, 1}};
   const std::atomic<bool> cancelled = true;
-  EXPECT_EQ(merge(edges, metric, StopToken(&cancelled)).status().code(),
-            absl::StatusCode::kCancelled);
+  EXPECT_EQ(merge(edges, metric, StopToken(&cancelled)).status().code(), absl::StatusCode::kCancelled);
 }
 
 }  // namespace

@@ -66,7 +66,8 @@ TEST(Ciede2000, StaysWithinTheRangeOfEquation4) {
     for (int g = 0; g <= 255; g += 51) {
       for (int b = 0; b <= 255; b += 51) {
         const Lab p = srgb_to_lab({double(r), double(g), double(b)});
-        for (const Vec3& corner : {Vec3{0, 0, 0}, Vec3{255, 255, 255}, Vec3{255, 0, 0}, Vec3{0, 255, 0}, Vec3{0, 0, 255}}) {
+        for (const Vec3& corner :
+             {Vec3{0, 0, 0}, Vec3{255, 255, 255}, Vec3{255, 0, 0}, Vec3{0, 255, 0}, Vec3{0, 0, 255}}) {
           largest = std::max(largest, ciede2000(p, srgb_to_lab(corner)));
         }
       }

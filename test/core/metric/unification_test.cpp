@@ -25,9 +25,7 @@ TEST(Equalization, IsHalfTheShareOfInitialEdgesNotAbove) {
   EXPECT_DOUBLE_EQ(u(0.29, 0.6), 0.5 * 0.75 + 0.5 * 0.75);
 }
 
-TEST(FixedLambda, WeighsTheTerms) {
-  EXPECT_DOUBLE_EQ(Unification::fixed(0.25)(0.4, 0.8), 0.25 * 0.4 + 0.75 * 0.8);
-}
+TEST(FixedLambda, WeighsTheTerms) { EXPECT_DOUBLE_EQ(Unification::fixed(0.25)(0.4, 0.8), 0.25 * 0.4 + 0.75 * 0.8); }
 
 }  // namespace
 }  // namespace segserve

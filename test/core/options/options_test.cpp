@@ -74,12 +74,12 @@ TEST(Options, EveryFaultIsNamedAtOnce) {
   options.threads = 0;
   options.lambda = 2;
   const std::vector<FieldViolation> faults = violations(options);
-  EXPECT_THAT(faults, ElementsAre(Field(&FieldViolation::field, "voxel_resolution"),
-                                  Field(&FieldViolation::field, "seed_resolution"),
-                                  Field(&FieldViolation::field, "normal_weight"),
-                                  Field(&FieldViolation::field, "lambda"), Field(&FieldViolation::field, "threshold"),
-                                  Field(&FieldViolation::field, "regions"), Field(&FieldViolation::field, "threads"),
-                                  Field(&FieldViolation::field, "regions")));
+  EXPECT_THAT(
+      faults,
+      ElementsAre(Field(&FieldViolation::field, "voxel_resolution"), Field(&FieldViolation::field, "seed_resolution"),
+                  Field(&FieldViolation::field, "normal_weight"), Field(&FieldViolation::field, "lambda"),
+                  Field(&FieldViolation::field, "threshold"), Field(&FieldViolation::field, "regions"),
+                  Field(&FieldViolation::field, "threads"), Field(&FieldViolation::field, "regions")));
   const absl::Status status = check(options);
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(status.message()), HasSubstr("voxel_resolution: -1 is not in [0.001, 1] m"));
@@ -96,7 +96,8 @@ TEST(Options, SeedsAreNotBelowVoxels) {
   Options options;
   options.voxel_resolution = 0.1;
   options.seed_resolution = 0.05;
-  EXPECT_THAT(std::string(check(options).message()), HasSubstr("seed_resolution: 0.05 m is below voxel_resolution, 0.1 m"));
+  EXPECT_THAT(std::string(check(options).message()),
+              HasSubstr("seed_resolution: 0.05 m is below voxel_resolution, 0.1 m"));
 }
 
 TEST(Methods, HaveNamesThatLeadBackToThem) {

@@ -64,7 +64,8 @@ INSTANTIATE_TEST_SUITE_P(AllMethods, GoldenTest,
                                          Golden{Method::kLambda, 0x904534e415183869ULL, 0x40ec2fc34ef2c85eULL},
                                          Golden{Method::kLambdaConvex, 0xd5d9104bfafabf77ULL, 0x402896fb17570151ULL},
                                          Golden{Method::kEqualization, 0xf938c99ee479b3eeULL, 0xcd77885cffd03f69ULL},
-                                         Golden{Method::kEqualizationConvex, 0x568c7bccadac697fULL, 0xfb093fceaae73099ULL},
+                                         Golden{Method::kEqualizationConvex, 0x568c7bccadac697fULL,
+                                                0xfb093fceaae73099ULL},
                                          Golden{Method::kFixedLambda, 0x5817cfe37242e081ULL, 0x4dbc5271d356ac25ULL}),
                          [](const auto& param) {
                            std::string name(segserve::name(param.param.method));

@@ -28,7 +28,8 @@ struct Sums {
 
 /// One id a point; PCL's 0, a point it left out, becomes a supervoxel of its own kind.
 std::vector<std::uint32_t> pcl_supervoxels(const Cloud& cloud, const SupervoxelOptions& options, std::size_t& count) {
-  const pcl::PointCloud<pcl::PointXYZRGBA>::Ptr points(new pcl::PointCloud<pcl::PointXYZRGBA>(cloud.width, cloud.height));
+  const pcl::PointCloud<pcl::PointXYZRGBA>::Ptr points(
+      new pcl::PointCloud<pcl::PointXYZRGBA>(cloud.width, cloud.height));
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     pcl::PointXYZRGBA& p = (*points)[i];
     p.x = cloud.x[i], p.y = cloud.y[i], p.z = cloud.z[i];

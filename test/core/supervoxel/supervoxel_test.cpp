@@ -74,7 +74,8 @@ TEST(Seeds, AreFoundFarAwayToo) {
   // At 9 m a voxel of the CAMERA view is 72 mm wide; by its nominal 8 mm there would be no seed at all.
   Cloud cloud = test::unorganised(View::camera());
   for (int i = -100; i < 100; ++i) {
-    for (int j = -100; j < 100; ++j) test::add(cloud, 0.02F * static_cast<float>(i), 0.02F * static_cast<float>(j), 9, 0);
+    for (int j = -100; j < 100; ++j)
+      test::add(cloud, 0.02F * static_cast<float>(i), 0.02F * static_cast<float>(j), 9, 0);
   }
   const Stages s = run(cloud);
   EXPECT_GT(s.seeds.chosen.size(), 100U);

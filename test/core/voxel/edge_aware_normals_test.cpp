@@ -49,7 +49,8 @@ double error_at_edge(const Normals& n, const std::vector<Vec3>& normals) {
   for (std::size_t v = 0; v < n.grid.size(); ++v) {
     const Vec3& c = n.grid.centroid[v];
     const double from_top = std::fabs(0.3 - c.z), from_side = std::fabs(0.3 - c.x);
-    if (std::max(from_top, from_side) > 0.02 || std::max(from_top, from_side) < 0.01) continue;  // 2nd voxel from the fold
+    if (std::max(from_top, from_side) > 0.02 || std::max(from_top, from_side) < 0.01)
+      continue;  // 2nd voxel from the fold
     const Vec3 face = from_top < from_side ? Vec3{0, 0, 1} : Vec3{1, 0, 0};
     sum += math::atan2(norm(cross(face, normals[v])), dot(face, normals[v])) / math::kDegree;
     ++count;
@@ -79,7 +80,8 @@ TEST(EdgeAwareNormals, LeaveWhatHasNoNormalOrNoSupport) {
   test::add(cloud, 5, 5, 5, 0);
   for (int i = 0; i < 3; ++i) test::add(cloud, 0.01F * static_cast<float>(i), 0.012F * static_cast<float>(i % 2), 0, 0);
   const Normals n = normals_of(cloud);
-  for (std::size_t v = 0; v < n.grid.size(); ++v) EXPECT_NEAR(std::fabs(dot(n.plain[v], n.refined[v])), norm(n.plain[v]), 1e-9);
+  for (std::size_t v = 0; v < n.grid.size(); ++v)
+    EXPECT_NEAR(std::fabs(dot(n.plain[v], n.refined[v])), norm(n.plain[v]), 1e-9);
 }
 
 TEST(EdgeAwareNormals, DoNotDependOnThreads) {

@@ -65,7 +65,8 @@ TEST(Normals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
       for (const std::uint32_t w : with_itself(u)) list.push_back(w);
     }
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (const std::uint32_t u : list) mean += Eigen::Vector3d(grid.centroid[u].x, grid.centroid[u].y, grid.centroid[u].z);
+    for (const std::uint32_t u : list)
+      mean += Eigen::Vector3d(grid.centroid[u].x, grid.centroid[u].y, grid.centroid[u].z);
     mean /= static_cast<double>(list.size());
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const std::uint32_t u : list) {
@@ -83,7 +84,7 @@ TEST(Normals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
 
 TEST(Normals, AreUndefinedOnlyWhereNoPlaneIs) {
   Cloud cloud = test::unorganised();
-  test::add(cloud, 5, 5, 5, 0);                                                              // alone
+  test::add(cloud, 5, 5, 5, 0);                                                                              // alone
   for (int i = 0; i < 30; ++i) test::add(cloud, 0.01F * static_cast<float>(i) + 0.005F, 0.005F, 0.005F, 0);  // a line
   test::add_patch(cloud, 1, 1, 0.005F, 0.2F, 0.005F, 0);
   const VoxelGrid grid = voxels_of(cloud);
@@ -104,7 +105,8 @@ TEST(Normals, AreConsistentWithoutASensor) {
   for (double theta = 0; theta < 1.9; theta += 0.01) {
     for (double phi = 0; phi < 6.28; phi += 0.01 / std::max(0.05, std::sin(theta))) {
       test::add(cloud, static_cast<float>(0.3 * std::sin(theta) * std::cos(phi)),
-                static_cast<float>(0.3 * std::sin(theta) * std::sin(phi)), static_cast<float>(0.3 * std::cos(theta)), 0);
+                static_cast<float>(0.3 * std::sin(theta) * std::sin(phi)), static_cast<float>(0.3 * std::cos(theta)),
+                0);
     }
   }
   const VoxelGrid grid = voxels_of(cloud);
