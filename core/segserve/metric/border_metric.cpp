@@ -58,7 +58,7 @@ BorderMetric::BorderMetric(const RegionGraph& graph, const BorderOptions& option
 }
 
 double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence& evidence) const {
-  const double size = std::max(1.0, std::min(area_[a], area_[b]) / options_.size_area);
+  const double size = std::max(1.0, std::min({area_[a], area_[b], options_.size_limit}) / options_.size_area);
   constexpr double kLn2 = 0.69314718055994530942;
   return evidence.weighted / evidence.pairs - options_.bias + options_.size_weight * math::ln(size) / kLn2;
 }

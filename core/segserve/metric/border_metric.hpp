@@ -17,6 +17,7 @@ struct BorderOptions {
   double bias = 14.5;             ///< evidence at which two small regions are as likely one as not
   double size_weight = 0.6;       ///< for each doubling of the smaller region's area beyond `size_area`
   double size_area = 8e-4;        ///< m^2
+  double size_limit = 4e-2;       ///< m^2; larger areas count as this, so that far scenes fare like near ones
 };
 
 /// The border method: how much the border between two regions looks like one between objects, as the mean over
