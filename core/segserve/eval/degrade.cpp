@@ -41,7 +41,7 @@ void rescale(Cloud& cloud, double scale) {
 void add_noise(codec::LabelledCloud& scene, double sigma, Random& random) {
   Cloud& cloud = scene.cloud;
   const bool camera = cloud.view.kind == ViewKind::kCamera;
-  const std::array<float, 3> origin = camera ? std::array<float, 3>{} : *cloud.view.sensor;
+  const std::array<float, 3> origin = cloud.view.sensor.value_or(std::array<float, 3>{});  // CAMERA: at 0
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double gaussian = random.gaussian();  // also for points that are not there: pixels stay comparable
     if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;
@@ -63,12 +63,13 @@ void add_noise(codec::LabelledCloud& scene, double sigma, Random& random) {
 
 absl::Status check(const Degradation& d) {
   std::string faults;
-  const auto fault = [&](std::string_view name, double value, std::string_view range) {
+  const auto expect = [&](bool in_range, std::string_view name, double value, std::string_view range) {
+    if (in_range) return;
     faults += fmt::format("{}{}: {} is not in {}", faults.empty() ? "" : "; ", name, value, range);
   };
-  if (!(d.scale > 0 && d.scale <= kMaxScale)) fault("scale", d.scale, "(0, 1000]");
-  if (!(d.noise_mm >= 0 && d.noise_mm <= kMaxNoise)) fault("noise-mm", d.noise_mm, "[0, 1000]");
-  if (!(d.keep > 0 && d.keep <= 1)) fault("keep", d.keep, "(0, 1]");
+  expect(d.scale > 0 && d.scale <= kMaxScale, "scale", d.scale, "(0, 1000]");
+  expect(d.noise_mm >= 0 && d.noise_mm <= kMaxNoise, "noise-mm", d.noise_mm, "[0, 1000]");
+  expect(d.keep > 0 && d.keep <= 1, "keep", d.keep, "(0, 1]");
   return faults.empty() ? absl::OkStatus() : absl::InvalidArgumentError(faults);
 }
 

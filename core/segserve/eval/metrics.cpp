@@ -8,8 +8,9 @@ MetricValues mean(std::span<const SceneScores> scenes) {
     double sum = 0;
     double count = 0;
     for (const SceneScores& scene : scenes) {
-      if (!scene.values[m]) continue;
-      sum += *scene.values[m];
+      const std::optional<double>& value = scene.values[m];
+      if (!value) continue;
+      sum += *value;
       ++count;
     }
     if (count > 0) means[m] = sum / count;
