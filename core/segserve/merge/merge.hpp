@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <concepts>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <tuple>
 #include <vector>
@@ -21,13 +20,15 @@ namespace segserve {
 ///
 /// `Evidence` is what a metric keeps of an edge; where two edges become one, theirs is added up.
 /// `dissimilarity` decides the order of the merges, and must give the same bits for (a, b) and (b, a);
-/// `weight` maps it to [0, 1], where it may saturate.
+/// `weight` maps it to [0, 1], where it may saturate. `too_small` tells regions that cannot stay on their own;
+/// merging never makes a region too small.
 template <typename T>
 concept Metric = requires(T metric, const T& constant, typename T::Evidence evidence, std::uint32_t r, double d) {
   { constant.region_count() } -> std::convertible_to<std::size_t>;
   { constant.points(r) } -> std::convertible_to<std::uint32_t>;
   { constant.dissimilarity(r, r, evidence) } -> std::convertible_to<double>;
   { constant.weight(d) } -> std::convertible_to<double>;
+  { constant.too_small(r) } -> std::convertible_to<bool>;
   metric.merge(r, r);
   evidence += evidence;
 };
@@ -35,14 +36,18 @@ concept Metric = requires(T metric, const T& constant, typename T::Evidence evid
 /// The merging process of section 2.1: while edges are left, the two regions of the smallest weight
 /// become one, and its edges get new weights (eq. 2). Every region keeps its edges in a list by
 /// neighbour, and the best of those to larger regions takes part in a tournament.
+///
+/// When no weight below the threshold is left, regions that are too small join the neighbour they are least unlike
+/// before all others, with a weight just below the threshold: a cut there, or higher, has none of them left but
+/// those without any neighbour.
 template <Metric M>
 class Merger {
  public:
   using Evidence = typename M::Evidence;
 
   /// `evidence` has one entry an edge.
-  Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, M& metric)
-      : metric_(metric), links_(metric.region_count()), best_(metric.region_count(), Edge{}) {
+  Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, double threshold, M& metric)
+      : metric_(metric), threshold_(threshold), links_(metric.region_count()), best_(metric.region_count(), Edge{}) {
     for (std::size_t e = 0; e < edges.size(); ++e) {
       const auto [a, b] = edges[e];
       const double dissimilarity = metric_.dissimilarity(a, b, evidence[e]);
@@ -58,12 +63,12 @@ class Merger {
     std::vector<std::uint32_t> points(links_.size());
     for (std::uint32_t r = 0; r < points.size(); ++r) points[r] = metric_.points(r);
     TreeBuilder tree(std::move(points));
-    for (std::size_t row = 0; best_.winner().dissimilarity < kNone; ++row) {
+    for (std::size_t row = 0; best_.winner().turn != Turn::kNever; ++row) {
       if (row % kStopInterval == 0) {
         if (absl::Status status = stop.check(); !status.ok()) return status;
       }
       const Edge edge = best_.winner();
-      tree.merge(edge.a, edge.b, metric_.weight(edge.dissimilarity));
+      tree.merge(edge.a, edge.b, weight(edge));
       unite(edge.a, edge.b);
     }
     tree.join_components();
@@ -71,7 +76,8 @@ class Merger {
   }
 
  private:
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
+  /// Below the threshold; then too small; then the rest.
+  enum class Turn : std::uint8_t { kFirst, kTooSmall, kLast, kNever };
 
   struct Link {
     std::uint32_t region;
@@ -81,10 +87,29 @@ class Merger {
 
   /// Equal dissimilarities: the smaller ids first.
   struct Edge {
-    double dissimilarity = kNone;
+    Turn turn = Turn::kNever;
+    double dissimilarity = 0;
     std::uint32_t a = 0, b = 0;
-    bool operator<(const Edge& o) const { return std::tie(dissimilarity, a, b) < std::tie(o.dissimilarity, o.a, o.b); }
+    bool operator<(const Edge& o) const {
+      return std::tie(turn, dissimilarity, a, b) < std::tie(o.turn, o.dissimilarity, o.a, o.b);
+    }
   };
+
+  Edge edge(std::uint32_t a, const Link& link) const {
+    Turn turn = Turn::kLast;
+    if (metric_.weight(link.dissimilarity) < threshold_) {
+      turn = Turn::kFirst;
+    } else if (metric_.too_small(a) || metric_.too_small(link.region)) {
+      turn = Turn::kTooSmall;
+    }
+    return {turn, link.dissimilarity, a, link.region};
+  }
+
+  double weight(const Edge& e) const {
+    const double weight = metric_.weight(e.dissimilarity);
+    constexpr double kJustBelow = 1 - 1e-12;
+    return e.turn == Turn::kTooSmall ? std::min(weight, kJustBelow * threshold_) : weight;
+  }
 
   /// r_p takes over r_q (p < q), its points and its edges.
   void unite(std::uint32_t p, std::uint32_t q) {
@@ -129,10 +154,10 @@ class Merger {
       links.insert(old, back);
     }
     const Edge& best = best_[n];
-    if (best.dissimilarity < kNone && (best.b == p || best.b == q)) {
+    if (best.turn != Turn::kNever && (best.b == p || best.b == q)) {
       find_best(n);
-    } else if (const Edge edge{link.dissimilarity, n, p}; n < p && edge < best) {
-      best_.set(n, edge);
+    } else if (const Edge candidate = edge(n, back); n < p && candidate < best) {
+      best_.set(n, candidate);
     }
   }
 
@@ -141,23 +166,25 @@ class Merger {
     Edge best;
     const std::vector<Link>& links = links_[r];
     for (auto link = std::ranges::upper_bound(links, r, {}, &Link::region); link != links.end(); ++link) {
-      best = std::min(best, Edge{link->dissimilarity, r, link->region});
+      best = std::min(best, edge(r, *link));
     }
     best_.set(r, best);
   }
 
   M& metric_;
+  double threshold_;
   std::vector<std::vector<Link>> links_;
   std::vector<Link> united_;
   Tournament<Edge> best_;
 };
 
-/// The merge tree of a graph under a metric, which is used up. CANCELLED, DEADLINE_EXCEEDED.
+/// The merge tree of a graph under a metric, which is used up. `evidence`: one entry an edge; `threshold`, [0, 1]: from
+/// there on no region that is too small is left. CANCELLED, DEADLINE_EXCEEDED.
 template <Metric M>
 absl::StatusOr<MergeTree> merge_regions(std::span<const RegionEdge> edges,
-                                        std::span<const typename M::Evidence> evidence, M& metric,
+                                        std::span<const typename M::Evidence> evidence, double threshold, M& metric,
                                         const StopToken& stop = {}) {
-  return Merger<M>(edges, evidence, metric).run(stop);
+  return Merger<M>(edges, evidence, threshold, metric).run(stop);
 }
 
 }  // namespace segserve

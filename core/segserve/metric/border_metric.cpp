@@ -50,7 +50,8 @@ std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, co
   return evidence;
 }
 
-BorderMetric::BorderMetric(const RegionGraph& graph, const BorderOptions& options) : options_(options) {
+BorderMetric::BorderMetric(const RegionGraph& graph, std::uint32_t min_points, const BorderOptions& options)
+    : options_(options), min_points_(min_points) {
   for (const Region& region : graph.regions) {
     area_.push_back(region.area);
     points_.push_back(region.points);

@@ -17,6 +17,7 @@ struct BorderOptions {
   double bias = 14.5;             ///< evidence at which two small regions are as likely one as not
   double size_weight = 0.6;       ///< for each doubling of the smaller region's area beyond `size_area`
   double size_area = 8e-4;        ///< m^2
+  double smallest_area = 12e-4;   ///< m^2; a smaller region with a neighbour does not stay on its own
   double size_limit = 4e-2;       ///< m^2; larger areas count as this, so that far scenes fare like near ones
 };
 
@@ -31,7 +32,8 @@ class BorderMetric {
     Evidence& operator+=(const Evidence& o) { return pairs += o.pairs, weighted += o.weighted, *this; }
   };
 
-  BorderMetric(const RegionGraph& graph, const BorderOptions& options);
+  /// `min_points`: a region of fewer input points does not stay on its own either.
+  BorderMetric(const RegionGraph& graph, std::uint32_t min_points, const BorderOptions& options);
 
   std::size_t region_count() const { return area_.size(); }
   std::uint32_t points(std::uint32_t r) const { return points_[r]; }
@@ -40,10 +42,12 @@ class BorderMetric {
   double dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence& evidence) const;
   /// The sigmoid: delta in [0, 1].
   double weight(double dissimilarity) const;
+  bool too_small(std::uint32_t r) const { return area_[r] < options_.smallest_area || points_[r] < min_points_; }
   void merge(std::uint32_t into, std::uint32_t from);
 
  private:
   BorderOptions options_;
+  std::uint32_t min_points_;
   std::vector<double> area_;
   std::vector<std::uint32_t> points_;
 };

@@ -44,7 +44,10 @@ bool is_convex(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj) {
 }
 
 PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Options& options)
-    : view_(view), convex_(uses_convexity(options.method)), regions_(graph.regions) {
+    : view_(view),
+      convex_(uses_convexity(options.method)),
+      min_points_(options.min_segment_points),
+      regions_(graph.regions) {
   features_.reserve(regions_.size());
   for (const Region& region : regions_) features_.push_back(features(region));
   std::vector<double> color, geometry;

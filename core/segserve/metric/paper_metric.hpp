@@ -35,6 +35,7 @@ class PaperMetric {
   /// delta(r_i, r_j) in [0, 1].
   double dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence& = {}) const;
   double weight(double dissimilarity) const { return dissimilarity; }
+  bool too_small(std::uint32_t r) const { return regions_[r].points < min_points_; }
 
   /// Region `from` joins region `into`.
   void merge(std::uint32_t into, std::uint32_t from);
@@ -54,6 +55,7 @@ class PaperMetric {
 
   View view_;
   bool convex_;
+  std::uint32_t min_points_;
   std::vector<Region> regions_;
   std::vector<Features> features_;
   Unification unification_;

@@ -76,6 +76,8 @@ constexpr std::array kTable = {
     number<&Options::threshold>("threshold", "", "cut the merge tree where the dissimilarity reaches this", 0, 1),
     whole<&Options::regions>("regions", "cut the merge tree at this number of regions instead of a threshold", 1,
                              2147483647),
+    whole<&Options::min_segment_points>(
+        "min_segment_points", "segments of fewer points join the neighbour they are least unlike", 0, 2147483647),
     whole<&Options::threads>("threads", "threads within one call; the result does not depend on it", 1, 64),
 };
 

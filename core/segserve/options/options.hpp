@@ -46,6 +46,8 @@ struct Options {
   std::optional<double> threshold = std::nullopt;
   /// Cut the merge tree at this number of regions instead; excludes `threshold`.
   std::optional<std::uint32_t> regions = std::nullopt;
+  /// A segment of fewer input points joins the neighbour it is least unlike, if it has any.
+  std::uint32_t min_segment_points = 0;
   /// Threads within one call; the result does not depend on it.
   std::uint32_t threads = 1;
 

@@ -31,26 +31,35 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/// From which threshold on no region that is too small is left. The tree does not depend on the threshold of the
+/// request, so that it serves all of them, unless the caller has a say in what is too small.
+double settled_threshold(const Options& options) {
+  const double standard = default_threshold(options.method);
+  return options.min_segment_points > 0 ? options.threshold.value_or(standard) : standard;
+}
+
 /// The dendrogram by the paper's metric delta (eq. 3). `lambda`: what Adaptive Lambda found.
 absl::StatusOr<MergeTree> merge_by_paper(const RegionGraph& graph, const View& view, const Options& options,
                                          const StopToken& stop, double& lambda) {
   PaperMetric metric(graph, view, options);
   lambda = metric.lambda();
   const std::vector<PaperMetric::Evidence> none(graph.edges.size());
-  return merge_regions<PaperMetric>(graph.edges, none, metric, stop);
+  return merge_regions<PaperMetric>(graph.edges, none, settled_threshold(options), metric, stop);
 }
 
 /// The dendrogram by what the borders between supervoxels look like.
 absl::StatusOr<MergeTree> merge_by_border(const RegionGraph& graph, const VoxelGrid& grid,
                                           const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                                          const Supervoxels& supervoxels, const SupervoxelOptions& settings,
+                                          const Supervoxels& supervoxels, const Options& options,
                                           const StopToken& stop) {
-  const BorderOptions options;
-  const std::vector<Border> borders = measure_borders(graph, grid, adjacency, normals, supervoxels, options.dead_zone);
+  const BorderOptions constants;
+  const SupervoxelOptions settings = supervoxel_options(options);
+  const std::vector<Border> borders =
+      measure_borders(graph, grid, adjacency, normals, supervoxels, constants.dead_zone);
   const std::vector<BorderMetric::Evidence> evidence =
-      border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, options);
-  BorderMetric metric(graph, options);
-  return merge_regions<BorderMetric>(graph.edges, evidence, metric, stop);
+      border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, constants);
+  BorderMetric metric(graph, options.min_segment_points, constants);
+  return merge_regions<BorderMetric>(graph.edges, evidence, settled_threshold(options), metric, stop);
 }
 
 absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options) {
@@ -126,7 +135,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
 
   // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
   absl::StatusOr<MergeTree> tree = options.method == Method::kBorder
-                                       ? merge_by_border(graph, grid, adjacency, normals, *supervoxels, settings, stop)
+                                       ? merge_by_border(graph, grid, adjacency, normals, *supervoxels, options, stop)
                                        : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);

@@ -10,7 +10,10 @@
 namespace segserve {
 namespace {
 
-/// The paper's loop word by word: all weights anew, all edges searched, at every iteration.
+constexpr double kThreshold = 0.25;
+
+/// The paper's loop word by word: all weights anew, all edges searched, at every iteration. Where the smallest
+/// weight is not below the threshold, edges of regions that are too small go first.
 MergeTree merge_naively(const RegionGraph& graph, PaperMetric metric) {
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const auto& [a, b] : graph.edges) edges.emplace(a, b);
@@ -18,14 +21,23 @@ MergeTree merge_naively(const RegionGraph& graph, PaperMetric metric) {
   for (const Region& region : graph.regions) points.push_back(region.points);
   TreeBuilder tree(points);
   while (!edges.empty()) {
-    auto best = edges.begin();  // ascending ids, so the first of equal weights wins
-    double smallest = metric.dissimilarity(best->first, best->second);
-    for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
-      const double w = metric.dissimilarity(edge->first, edge->second);
-      if (w < smallest) smallest = w, best = edge;
+    const auto smallest_of = [&](auto&& takes_part) {
+      auto best = edges.end();  // ascending ids, so the first of equal weights wins
+      double smallest = 2;
+      for (auto edge = edges.begin(); edge != edges.end(); ++edge) {
+        const double w = metric.dissimilarity(edge->first, edge->second);
+        if (w < smallest && takes_part(edge->first, edge->second)) smallest = w, best = edge;
+      }
+      return std::pair(smallest, best);
+    };
+    auto [weight, best] = smallest_of([](auto, auto) { return true; });
+    if (weight >= kThreshold) {
+      const auto small =
+          smallest_of([&](std::uint32_t a, std::uint32_t b) { return metric.too_small(a) || metric.too_small(b); });
+      if (small.second != edges.end()) best = small.second, weight = kThreshold * (1 - 1e-12);
     }
     const auto [p, q] = *best;
-    tree.merge(p, q, smallest);
+    tree.merge(p, q, weight);
     metric.merge(p, q);
     std::set<std::pair<std::uint32_t, std::uint32_t>> renamed;
     for (auto [a, b] : edges) {
@@ -72,13 +84,14 @@ TEST_P(MergeOracle, TheFastLoopEqualsTheNaiveOneMergeByMerge) {
   std::mt19937_64 random(7);
   Options options;
   options.method = GetParam();
+  options.min_segment_points = 40;
   for (const auto& [regions, density] : {std::pair{2U, 1.0}, {40U, 0.15}, {60U, 0.02}, {60U, 0.5}, {25U, 0.0}}) {
     for (int trial = 0; trial < 4; ++trial) {
       const RegionGraph graph = random_graph(random, regions, density);
       PaperMetric metric(graph, View::camera(), options);
       const MergeTree expected = merge_naively(graph, metric);
-      const absl::StatusOr<MergeTree> tree =
-          merge_regions<PaperMetric>(graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), metric);
+      const absl::StatusOr<MergeTree> tree = merge_regions<PaperMetric>(
+          graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), kThreshold, metric);
       ASSERT_TRUE(tree.ok());
       EXPECT_TRUE(*tree == expected) << regions << " regions, density " << density << ", trial " << trial;
       EXPECT_TRUE(check(*tree).ok()) << check(*tree);
@@ -106,12 +119,17 @@ struct TableMetric {
     return table[std::min(a, b)][std::max(a, b)];
   }
   double weight(double dissimilarity) const { return dissimilarity; }
-  void merge(std::uint32_t, std::uint32_t) {}
+  bool too_small(std::uint32_t r) const { return r == small; }
+  void merge(std::uint32_t into, std::uint32_t) {
+    if (into == small) small = kNobody;
+  }
+  static constexpr std::uint32_t kNobody = 99;
+  std::uint32_t small = kNobody;
 };
 
 template <Metric M>
 absl::StatusOr<MergeTree> merge(const std::vector<RegionEdge>& edges, M& metric, const StopToken& stop = {}) {
-  return merge_regions<M>(edges, std::vector<typename M::Evidence>(edges.size()), metric, stop);
+  return merge_regions<M>(edges, std::vector<typename M::Evidence>(edges.size()), kThreshold, metric, stop);
 }
 
 TEST(Merge, NumbersNodesAsSciPyAndTakesTheSmallerIdsFirst) {
@@ -149,6 +167,18 @@ TEST(Merge, AddsUpTheEvidenceOfEdgesThatBecomeOne) {
   const MergeTree tree = *merge({{0, 1}, {0, 2}, {0, 3}, {1, 2}}, metric);
   EXPECT_EQ(tree.weight, (std::vector<double>{0.1, 0.1, 0.2}));
   EXPECT_EQ(tree.left, (std::vector<std::uint32_t>{0, 3, 2}));
+}
+
+TEST(Merge, RegionsThatAreTooSmallJoinTheirNearestNeighbourAtTheThreshold) {
+  TableMetric metric{{{0, .1, .5, .6}, {0, 0, .7, .6}, {0, 0, 0, .4}, {0, 0, 0, 0}}};
+  metric.small = 2;
+  const MergeTree tree = *merge({{0, 1}, {0, 2}, {1, 2}, {1, 3}, {2, 3}}, metric);
+  EXPECT_EQ(tree.left, (std::vector<std::uint32_t>{0, 2, 4})) << "2 joins 3, which it is least unlike";
+  EXPECT_EQ(tree.right, (std::vector<std::uint32_t>{1, 3, 5}));
+  EXPECT_EQ(tree.weight[0], 0.1);
+  EXPECT_LT(tree.weight[1], kThreshold);
+  EXPECT_NEAR(tree.weight[1], kThreshold, 1e-9);
+  EXPECT_EQ(cut_at_threshold(tree, kThreshold)->segments, 2U);
 }
 
 TEST(Merge, OfNothingIsAnEmptyTree) {

@@ -54,19 +54,28 @@ RegionGraph regions(const std::vector<double>& areas) {
 }
 
 TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
-  BorderMetric metric(regions({4e-4, 16e-4, 64e-4}), {});
+  BorderMetric metric(regions({4e-4, 16e-4, 64e-4}), 0, {});
   EXPECT_DOUBLE_EQ(metric.dissimilarity(0, 2, {4, 4 * 14.5}), 0) << "the smaller region is below size_area";
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6, 1e-12) << "one doubling";
   EXPECT_EQ(metric.dissimilarity(1, 2, {3, 7}), metric.dissimilarity(2, 1, {3, 7}));
-  BorderMetric large(regions({0.04, 4, 4}), {});
+  BorderMetric large(regions({0.04, 4, 4}), 0, {});
   EXPECT_EQ(large.dissimilarity(0, 1, {1, 10}), large.dissimilarity(1, 2, {1, 10})) << "beyond size_limit";
   metric.merge(1, 0);
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6 * std::log2(2.5), 1e-12);
   EXPECT_EQ(metric.points(1), 21U);
 }
 
+TEST(BorderMetric, RegionsOfLittleAreaOrFewPointsAreTooSmall) {
+  const RegionGraph graph = regions({11e-4, 13e-4, 13e-4});  // of 10, 11 and 12 points
+  const BorderMetric by_area(graph, 0, {}), by_points(graph, 12, {});
+  EXPECT_TRUE(by_area.too_small(0));
+  EXPECT_FALSE(by_area.too_small(1));
+  EXPECT_TRUE(by_points.too_small(1));
+  EXPECT_FALSE(by_points.too_small(2));
+}
+
 TEST(BorderMetric, WeightIsTheSigmoid) {
-  const BorderMetric metric(regions({1}), {});
+  const BorderMetric metric(regions({1}), 0, {});
   EXPECT_EQ(metric.weight(0), 0.5);
   EXPECT_NEAR(metric.weight(2), 1 / (1 + std::exp(-2.0)), 1e-15);
   EXPECT_EQ(metric.weight(1e9), 1);
@@ -90,9 +99,10 @@ TEST(BorderMetric, GivesAMonotoneTreeOnAnyGraph) {
       const double pairs = 1 + pick(30);
       evidence.push_back({pairs, pairs * pick(25)});
     }
-    BorderMetric metric(graph, {});
-    const MergeTree tree = *merge_regions<BorderMetric>(graph.edges, evidence, metric);
+    BorderMetric metric(graph, 0, {});
+    const MergeTree tree = *merge_regions<BorderMetric>(graph.edges, evidence, 0.5, metric);
     for (std::size_t row = 1; row < tree.row_count(); ++row) {
+      if (tree.kind[row] == MergeKind::kJoined) break;
       ASSERT_GE(tree.weight[row], tree.weight[row - 1] * (1 - 1e-12)) << "trial " << trial << ", row " << row;
     }
   }

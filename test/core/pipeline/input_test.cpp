@@ -147,6 +147,20 @@ TEST(OddInput, ColorSegmentsWhatGeometryCannot) {
   EXPECT_EQ(sensible(cloud, Method::kGeometry).segments, 1U);
 }
 
+TEST(MinSegmentPoints, LeavesNoSmallerSegmentThatTouchesAnother) {
+  Cloud cloud = test::unorganised();
+  test::add_patch(cloud, 0, 0, 0, 0.4F, 0.005F, 0xff0000);
+  test::add_patch(cloud, 0.4F, 0, 0, 0.1F, 0.005F, 0x0000ff);  // 400 points beside it, of another colour
+  test::add_patch(cloud, 2, 2, 0, 0.1F, 0.005F, 0x00ff00);     // 400 points that touch nothing
+  Options options;
+  options.method = Method::kColor;
+  EXPECT_EQ(segment(cloud, options)->segments, 3U);
+  options.min_segment_points = 1000;
+  const Segmentation s = *segment(cloud, options);
+  EXPECT_EQ(s.segments, 2U);
+  EXPECT_EQ(*label_points(s.supervoxels, *cut_at_threshold(s.tree, *s.threshold)), s.labels);
+}
+
 TEST(Stopping, IsHeardBeforeAndDuringTheWork) {
   const Cloud cloud = test::random_cloud(200000, 1, 2, View::camera());
   std::atomic<bool> cancelled = true;
