@@ -151,7 +151,6 @@ Surface round_surface(const Shape& s, const Vec3& p, int face) {
     case kBottom:
       return flat_surface(p, s.a, -1, face);
     case kTop:
-      return flat_surface(p, s.b, 1, face);
     case kInnerFloor:
       return flat_surface(p, s.b, 1, face);
     default:
