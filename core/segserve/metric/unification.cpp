@@ -29,7 +29,8 @@ Unification Unification::adaptive(std::span<const double> color, std::span<const
   // The number of edges cancels, so sums serve as means.
   const double c = std::accumulate(color.begin(), color.end(), 0.0);
   const double g = std::accumulate(geometry.begin(), geometry.end(), 0.0);
-  return fixed(c + g > 0 ? g / (c + g) : 0.5);
+  if (c == 0 || g == 0) return fixed(c == g ? 0.5 : c > 0 ? 1 : 0);
+  return fixed(g / (c + g));
 }
 
 Unification Unification::equalization(std::span<const double> color, std::span<const double> geometry) {

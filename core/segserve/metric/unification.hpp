@@ -11,7 +11,8 @@ class Unification {
   /// T_C(a) = lambda a, T_G(b) = (1 - lambda) b.
   static Unification fixed(double lambda);
   /// Adaptive Lambda: the lambda for which both have the same mean over the initial edges,
-  /// mu_G / (mu_C + mu_G); 1/2 if both means are 0.
+  /// mu_G / (mu_C + mu_G); 1/2 if both means are 0. If only one is, as that of colour in a cloud without any, its term
+  /// tells nothing apart, and the other decides alone: by the formula all weights would be 0.
   static Unification adaptive(std::span<const double> color, std::span<const double> geometry);
   /// Equalization: half the empirical distribution function, F(v) = share of the initial edges <= v.
   static Unification equalization(std::span<const double> color, std::span<const double> geometry);

@@ -17,6 +17,11 @@ TEST(AdaptiveLambda, IsOneHalfWhereNothingDiffers) {
   EXPECT_EQ(Unification::adaptive({}, {}).lambda(), 0.5);
 }
 
+TEST(AdaptiveLambda, LeavesOutATermThatTellsNothingApart) {
+  EXPECT_EQ(Unification::adaptive(std::vector{0.0, 0.0}, std::vector{0.1, 0.3})(0, 0.3), 0.3);
+  EXPECT_EQ(Unification::adaptive(std::vector{0.1, 0.3}, std::vector{0.0, 0.0})(0.3, 0), 0.3);
+}
+
 TEST(Equalization, IsHalfTheShareOfInitialEdgesNotAbove) {
   const Unification u = Unification::equalization(std::vector{0.3, 0.1, 0.1, 0.2}, std::vector{0.0, 1.0, 0.5, 0.25});
   EXPECT_DOUBLE_EQ(u(0.1, 0), 0.5 * 0.5 + 0.5 * 0.25);

@@ -137,6 +137,20 @@ TEST(OddInput, ACloudWithoutColorIsSegmentedByItsGeometry) {
   EXPECT_EQ(sensible(cloud, Method::kColor).segments, 2U);
 }
 
+TEST(OddInput, WithoutColorAdaptiveLambdaFallsBackToGeometry) {
+  Cloud cloud = test::unorganised(View::world(1, -3, 3));
+  test::add_patch(cloud, 0, 0, 0, 0.5F, 0.005F, 0);  // a floor, and a wall at its end
+  for (float x = 0; x < 0.5F; x += 0.005F) {
+    for (float z = 0; z < 0.5F; z += 0.005F) test::add(cloud, x, 0.5F, z, 0);
+  }
+  cloud.rgb.clear();
+  const Segmentation geometry = sensible(cloud, Method::kGeometry);
+  const Segmentation lambda = sensible(cloud, Method::kLambda);
+  EXPECT_EQ(lambda.lambda, 0);
+  EXPECT_TRUE(lambda.tree == geometry.tree);
+  EXPECT_EQ(cut_to_regions(lambda.tree, 2)->segments, 2U);
+}
+
 TEST(OddInput, ColorSegmentsWhatGeometryCannot) {
   Cloud cloud = test::unorganised();
   test::add_patch(cloud, 0, 0, 0, 0.4F, 0.005F, 0xff0000);
