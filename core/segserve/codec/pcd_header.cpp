@@ -231,6 +231,7 @@ absl::Status check_roles(const PcdHeader& header) {
 
 absl::Status assign_roles(PcdHeader& header) {
   std::vector<std::string_view> names;
+  names.reserve(header.fields.size());
   for (const PcdField& field : header.fields) names.emplace_back(field.name);
   const auto in_fields = [](const absl::Status& status) { return fault("FIELDS: {}", std::string(status.message())); };
   const auto position = find_three(names, {"x", "y", "z"});

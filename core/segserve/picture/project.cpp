@@ -56,6 +56,7 @@ Pinhole oblique_view(const CloudView& cloud, const std::vector<std::uint32_t>& p
   const std::array<std::span<const float>, 3> planes{cloud.x, cloud.y, cloud.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double> values;
+    values.reserve(points.size());
     for (const std::uint32_t i : points) values.push_back(planes[axis][i]);
     box[axis] = robust_range(std::move(values));
   }

@@ -60,7 +60,8 @@ class RangeVoxelizer {
     part_.finite_points = 0;
     part_.stopped = absl::OkStatus();
     for (std::size_t first = begin; first < end && part_.first_invalid == SIZE_MAX; first += kChunk) {
-      if ((first - begin) % kStopInterval == 0 && !(part_.stopped = stop.check()).ok()) return;
+      if ((first - begin) % kStopInterval == 0) part_.stopped = stop.check();
+      if (!part_.stopped.ok()) return;
       const std::size_t last = std::min(first + kChunk, end);
       if (cloud_.view.kind == ViewKind::kCamera) {
         compute_keys<ViewKind::kCamera>(first, last);

@@ -11,10 +11,6 @@ namespace {
 
 constexpr int kZstdLevel = 1;
 
-absl::Status malformed(std::string message) {
-  return with_reason(absl::InvalidArgumentError(message), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
-}
-
 }  // namespace
 
 absl::StatusOr<v1alpha1::Block> to_block(std::string bytes, v1alpha1::Compression compression) {

@@ -134,8 +134,9 @@ absl::StatusOr<v1alpha1::Cloud> to_planar_message(const CloudView& cloud, v1alph
   v1alpha1::PlanarCloud* planar = message.mutable_planar();
   const auto put = [compression](std::string& plane, v1alpha1::Block* block) {
     absl::StatusOr<v1alpha1::Block> made = to_block(std::move(plane), compression);
-    if (made.ok()) *block = *std::move(made);
-    return made.status();
+    if (!made.ok()) return made.status();
+    *block = *std::move(made);
+    return absl::OkStatus();
   };
   absl::Status status = put(planes.x, planar->mutable_x());
   if (status.ok()) status = put(planes.y, planar->mutable_y());

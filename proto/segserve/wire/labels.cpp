@@ -10,14 +10,6 @@
 #include "segserve/wire/status.hpp"
 
 namespace segserve::wire {
-namespace {
-
-absl::Status malformed(std::string message) {
-  return with_reason(absl::InvalidArgumentError(message), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
-}
-
-}  // namespace
-
 absl::StatusOr<v1alpha1::LabelArray> to_message(std::span<const std::uint32_t> labels,
                                                 v1alpha1::Compression compression) {
   codec::EncodedLabels encoded = codec::encode_labels(labels);

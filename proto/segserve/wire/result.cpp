@@ -13,10 +13,6 @@
 namespace segserve::wire {
 namespace {
 
-absl::Status malformed(std::string message) {
-  return with_reason(absl::InvalidArgumentError(message), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
-}
-
 void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   const Segmentation& segmentation = result.segmentation;
   summary.set_points(result.points);
@@ -91,8 +87,9 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
 absl::Status read_labels(const v1alpha1::LabelArray& message, std::size_t points, std::uint32_t maximum,
                          std::string_view name, std::vector<std::uint32_t>& labels) {
   absl::StatusOr<std::vector<std::uint32_t>> read = from_message(message, points, maximum, name);
-  if (read.ok()) labels = *std::move(read);
-  return read.status();
+  if (!read.ok()) return read.status();
+  labels = *std::move(read);
+  return absl::OkStatus();
 }
 
 absl::Status read_tree(const v1alpha1::MergeTree& message, std::uint32_t supervoxels, MergeTree& tree) {
@@ -127,8 +124,9 @@ absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, co
   fill_summary(result, *message.mutable_summary());
   const auto put = [&outputs](const std::vector<std::uint32_t>& labels, v1alpha1::LabelArray* array) {
     absl::StatusOr<v1alpha1::LabelArray> made = to_message(labels, outputs.compression);
-    if (made.ok()) *array = *std::move(made);
-    return made.status();
+    if (!made.ok()) return made.status();
+    *array = *std::move(made);
+    return absl::OkStatus();
   };
   absl::Status status;
   if (outputs.labels) status = put(result.segmentation.labels, message.mutable_labels());

@@ -133,11 +133,15 @@ ErrorDetails details_of(const absl::Status& status) {
     }
   }
   if (const auto retry = get<google::rpc::RetryInfo>(status)) {
-    constexpr std::int64_t kDay = 24 * 60 * 60;
+    constexpr std::int64_t kDay = std::int64_t{24} * 60 * 60;
     const std::int64_t seconds = std::clamp<std::int64_t>(retry->retry_delay().seconds(), 0, kDay);
     details.retry_delay = std::chrono::milliseconds(seconds * 1000 + retry->retry_delay().nanos() / 1'000'000);
   }
   return details;
+}
+
+absl::Status malformed(std::string_view message) {
+  return with_reason(absl::InvalidArgumentError(std::string(message)), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
 }
 
 absl::Status invalid_fields(const std::vector<FieldViolation>& fields) {

@@ -39,6 +39,9 @@ absl::Status with_reason(absl::Status status, ErrorReason reason);
 /// What the status carries; empty details if nothing.
 ErrorDetails details_of(const absl::Status& status);
 
+/// INVALID_ARGUMENT, reason MALFORMED_PAYLOAD: bytes that are not what they claim to be.
+absl::Status malformed(std::string_view message);
+
 /// INVALID_ARGUMENT, INVALID_FIELD, with a message that lists every wrong field; OK if there is none.
 absl::Status invalid_fields(const std::vector<FieldViolation>& fields);
 

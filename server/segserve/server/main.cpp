@@ -1,7 +1,7 @@
 #include <malloc.h>
 #include <pthread.h>
-#include <signal.h>
 
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
