@@ -59,7 +59,7 @@ class RangeVoxelizer {
     part_.first_invalid = SIZE_MAX;
     part_.finite_points = 0;
     part_.stopped = absl::OkStatus();
-    for (std::size_t first = begin; first < end && part_.first_invalid == SIZE_MAX; first += kChunk) {
+    for (std::size_t first = begin; first < end; first += kChunk) {
       if ((first - begin) % kStopInterval == 0) part_.stopped = stop.check();
       if (!part_.stopped.ok()) return;
       const std::size_t last = std::min(first + kChunk, end);
@@ -68,6 +68,7 @@ class RangeVoxelizer {
       } else {
         compute_keys<ViewKind::kWorld>(first, last);
       }
+      if (part_.first_invalid != SIZE_MAX) return;
       add_runs(first, last);
     }
   }
