@@ -55,6 +55,8 @@ ErrorReason implied_reason(absl::StatusCode code) {
       return v1alpha1::ERROR_REASON_DEADLINE_EXCEEDED;
     case absl::StatusCode::kCancelled:
       return v1alpha1::ERROR_REASON_CANCELLED;
+    case absl::StatusCode::kAborted:
+      return v1alpha1::ERROR_REASON_CHECKSUM;
     default:
       return v1alpha1::ERROR_REASON_INTERNAL;
   }
@@ -165,12 +167,11 @@ absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std:
                     {"actual", fmt::format("{}", actual)}}});
 }
 
-grpc::Status to_grpc(const absl::Status& status) {
-  if (status.ok()) return grpc::Status::OK;
+google::rpc::Status to_message(const absl::Status& status) {
+  google::rpc::Status message;
+  if (status.ok()) return message;
   const absl::StatusCode code = is_in_api(status.code()) ? status.code() : absl::StatusCode::kInternal;
   const absl::Status full = with_reason(status, implied_reason(code));
-
-  google::rpc::Status message;
   message.set_code(static_cast<int>(code));
   message.set_message(std::string(full.message()));
   full.ForEachPayload([&message](absl::string_view url, const absl::Cord& bytes) {
@@ -178,7 +179,23 @@ grpc::Status to_grpc(const absl::Status& status) {
     detail->set_type_url(std::string(url));
     detail->set_value(std::string(bytes));
   });
-  return {static_cast<grpc::StatusCode>(code), message.message(), message.SerializeAsString()};
+  return message;
+}
+
+absl::Status from_message(const google::rpc::Status& message) {
+  absl::Status result(static_cast<absl::StatusCode>(message.code()), message.message());
+  copy_detail<google::rpc::ErrorInfo>(message, result);
+  copy_detail<google::rpc::BadRequest>(message, result);
+  copy_detail<google::rpc::RetryInfo>(message, result);
+  copy_detail<google::rpc::QuotaFailure>(message, result);
+  copy_detail<google::rpc::RequestInfo>(message, result);
+  return result;
+}
+
+grpc::Status to_grpc(const absl::Status& status) {
+  if (status.ok()) return grpc::Status::OK;
+  const google::rpc::Status message = to_message(status);
+  return {static_cast<grpc::StatusCode>(message.code()), message.message(), message.SerializeAsString()};
 }
 
 absl::Status from_grpc(const grpc::Status& status) {
@@ -188,15 +205,11 @@ absl::Status from_grpc(const grpc::Status& status) {
         absl::InvalidArgumentError("the message exceeds the receiver's limit: " + status.error_message()),
         {.reason = v1alpha1::ERROR_REASON_LIMIT_EXCEEDED, .metadata = {{"limit", "max_message_bytes"}}});
   }
-  absl::Status result(static_cast<absl::StatusCode>(status.error_code()), status.error_message());
-  if (google::rpc::Status message; message.ParseFromString(status.error_details())) {
-    copy_detail<google::rpc::ErrorInfo>(message, result);
-    copy_detail<google::rpc::BadRequest>(message, result);
-    copy_detail<google::rpc::RetryInfo>(message, result);
-    copy_detail<google::rpc::QuotaFailure>(message, result);
-    copy_detail<google::rpc::RequestInfo>(message, result);
-  }
-  return result;
+  google::rpc::Status message;
+  if (!message.ParseFromString(status.error_details())) message.Clear();
+  message.set_code(static_cast<int>(status.error_code()));
+  message.set_message(status.error_message());
+  return from_message(message);
 }
 
 }  // namespace segserve::wire

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "google/rpc/status.pb.h"
 #include "grpcpp/support/status.h"
 #include "segserve/options/options.hpp"
 #include "segserve/v1alpha1/error_reason.pb.h"
@@ -50,12 +51,18 @@ absl::Status invalid_fields(const std::vector<FieldViolation>& fields);
 absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std::string_view unit,
                             std::string_view limit, std::uint64_t allowed);
 
-/// For the server: the status with a serialised google.rpc.Status as its details. A status without a
-/// reason gets the one that its code implies; a code that the API does not list becomes INTERNAL.
+/// The status with its details, as a stream carries it. A status without a reason gets the one that its code implies;
+/// a code that the API does not list becomes INTERNAL.
+google::rpc::Status to_message(const absl::Status& status);
+
+/// The code, the message and every detail we know; foreign details are dropped.
+absl::Status from_message(const google::rpc::Status& message);
+
+/// For a server's unary call: to_message, serialised, as the details of gRPC's status.
 grpc::Status to_grpc(const absl::Status& status);
 
-/// For the client: the code, the message and every detail we know; foreign details are dropped. gRPC's own
-/// refusal of a message beyond its receive limit becomes INVALID_ARGUMENT, LIMIT_EXCEEDED.
+/// For a client's: the code, the message and what from_message finds in the details. gRPC's own refusal of a message
+/// beyond its receive limit becomes INVALID_ARGUMENT, LIMIT_EXCEEDED.
 absl::Status from_grpc(const grpc::Status& status);
 
 }  // namespace segserve::wire
