@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// In a stream the bytes of a message's blocks travel apart from it, as one run cut into chunks.
+namespace segserve::wire {
+
+/// Most bytes of one chunk. Larger ones would hold up cancels, smaller ones cost calls.
+inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 10U;
+
+/// CRC-32 of zlib, PNG and RFC 1952.
+std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes);
+
+/// Blocks on their way out, given away chunk by chunk.
+class OutgoingBytes {
+ public:
+  OutgoingBytes() = default;
+  /// Takes the strings that `blocks` point to, and leaves them empty.
+  explicit OutgoingBytes(std::span<std::string* const> blocks);
+
+  std::uint64_t size() const { return size_; }
+  /// Of all bytes, given away or not.
+  std::uint32_t crc32() const { return crc32_; }
+  /// True once everything was given away.
+  bool done() const { return block_ == blocks_.size(); }
+  /// The next bytes, at most `max_bytes` (above 0) and not beyond the end of a block; valid as long as this object.
+  /// Empty if done.
+  std::string_view next(std::size_t max_bytes = kMaxChunkBytes);
+  /// From the first byte again, to send a frame once more.
+  void rewind();
+
+ private:
+  void skip_empty_blocks();
+
+  std::vector<std::string> blocks_;
+  std::uint64_t size_ = 0;
+  std::uint32_t crc32_ = 0;
+  std::size_t block_ = 0, offset_ = 0;  // of the next byte
+};
+
+/// Blocks on their way in. Memory grows with the bytes that have come, not with those that were promised.
+class IncomingBytes {
+ public:
+  IncomingBytes() = default;
+  /// The sizes that the sender promised, block by block.
+  explicit IncomingBytes(std::vector<std::uint64_t> sizes);
+
+  std::uint64_t missing() const { return missing_; }
+  /// Of what has come.
+  std::uint32_t crc32() const { return crc32_; }
+  /// False, and nothing is taken, if the chunk is longer than what is missing.
+  [[nodiscard]] bool add(std::string_view chunk);
+  /// Gives the blocks, complete or not, to the strings that `blocks` point to: as many as sizes were promised.
+  void move_to(std::span<std::string* const> blocks);
+
+ private:
+  std::vector<std::uint64_t> sizes_;
+  std::vector<std::string> blocks_;
+  std::uint64_t missing_ = 0;
+  std::uint32_t crc32_ = 0;
+  std::size_t block_ = 0;  // that the next byte belongs to
+};
+
+}  // namespace segserve::wire

@@ -1,0 +1,87 @@
+#include "segserve/wire/byte_run.hpp"
+
+#include <array>
+#include <random>
+
+#include "gtest/gtest.h"
+
+namespace segserve::wire {
+namespace {
+
+TEST(Crc32, IsTheOneOfZlibAndPng) {
+  EXPECT_EQ(crc32(0, ""), 0U);
+  EXPECT_EQ(crc32(0, "123456789"), 0xCBF43926U);  // the check value of the catalogue of CRCs
+  EXPECT_EQ(crc32(crc32(0, "1234"), "56789"), 0xCBF43926U);
+}
+
+TEST(OutgoingBytes, TakesTheBlocksAndGivesThemAwayInOrder) {
+  std::string a = "abcde", b, c = "fg";
+  const std::array<std::string*, 3> blocks{&a, &b, &c};
+  OutgoingBytes out(blocks);
+  EXPECT_TRUE(a.empty() && c.empty());
+  EXPECT_EQ(out.size(), 7U);
+  EXPECT_EQ(out.crc32(), crc32(0, "abcdefg"));
+  for (int round = 0; round < 2; ++round) {
+    EXPECT_EQ(out.next(3), "abc");
+    EXPECT_EQ(out.next(3), "de");
+    EXPECT_FALSE(out.done());
+    EXPECT_EQ(out.next(3), "fg");
+    EXPECT_TRUE(out.done());
+    EXPECT_TRUE(out.next(3).empty());
+    out.rewind();
+  }
+}
+
+TEST(OutgoingBytes, OfNothingIsDone) {
+  EXPECT_TRUE(OutgoingBytes().done());
+  std::string empty;
+  const std::array<std::string*, 1> blocks{&empty};
+  EXPECT_TRUE(OutgoingBytes(blocks).done());
+}
+
+TEST(IncomingBytes, WhatGoesOutComesInHoweverItIsCut) {
+  std::mt19937 random(1);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<std::string> sent(1 + random() % 4);
+    std::vector<std::uint64_t> sizes;
+    std::vector<std::string*> from;
+    for (std::string& block : sent) {
+      block.resize(random() % 50);
+      for (char& byte : block) byte = static_cast<char>(random());
+      sizes.push_back(block.size());
+      from.push_back(&block);
+    }
+    const std::vector<std::string> copies = sent;
+    OutgoingBytes out(from);
+    std::string run;
+    while (!out.done()) run += out.next(1 + random() % 20);
+
+    IncomingBytes in(sizes);
+    for (std::string_view rest = run; !rest.empty();) {
+      const std::string_view chunk = rest.substr(0, 1 + random() % 30);
+      ASSERT_TRUE(in.add(chunk));
+      rest.remove_prefix(chunk.size());
+      ASSERT_EQ(in.missing(), rest.size());
+    }
+    EXPECT_EQ(in.crc32(), out.crc32());
+    in.move_to(from);
+    EXPECT_EQ(sent, copies);
+  }
+}
+
+TEST(IncomingBytes, RefusesMoreThanWasPromised) {
+  IncomingBytes in({2, 3});
+  EXPECT_TRUE(in.add("abc"));
+  EXPECT_FALSE(in.add("def"));
+  EXPECT_EQ(in.missing(), 2U);
+  EXPECT_TRUE(in.add("de"));
+  EXPECT_FALSE(in.add("f"));
+}
+
+TEST(IncomingBytes, APromiseCostsNothing) {
+  IncomingBytes in({std::uint64_t{1} << 60U});
+  EXPECT_TRUE(in.add("a"));
+}
+
+}  // namespace
+}  // namespace segserve::wire
