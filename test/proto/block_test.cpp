@@ -30,6 +30,26 @@ TEST(Block, KeepsItsBytesInEveryCompression) {
   }
 }
 
+TEST(Block, TellsItsEncodedSizeWhichMustBeTrueWhenSet) {
+  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+    v1alpha1::Block block = to_block(std::string(1000, 'a'), compression).value();
+    EXPECT_EQ(block.encoded_bytes(), block.data().size());
+    block.set_encoded_bytes(block.data().size() + 1);
+    EXPECT_THAT(error_of(block, 1000), AllOf(HasSubstr("the.block"), HasSubstr("encoded bytes")));
+  }
+}
+
+TEST(Block, OfUnknownSizeIsBoundedByALimit) {
+  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+    const v1alpha1::Block block = to_block(std::string(1000, 'a'), compression).value();
+    std::string buffer;
+    EXPECT_EQ(block_bytes_up_to(block, 1000, "file", buffer).value(), std::string(1000, 'a'));
+    const absl::Status status = block_bytes_up_to(block, 999, "the.file", buffer).status();
+    EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+    EXPECT_THAT(std::string(status.message()), HasSubstr("the.file has 1000 bytes"));
+  }
+}
+
 TEST(Block, ZstdMakesRepetitionSmall) {
   EXPECT_LT(to_block(std::string(10'000, 'a'), v1alpha1::COMPRESSION_ZSTD)->data().size(), 100U);
 }

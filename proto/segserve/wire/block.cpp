@@ -22,6 +22,16 @@ absl::StatusOr<v1alpha1::Block> to_block(std::string bytes, v1alpha1::Compressio
     if (!compressed.ok()) return compressed.status();
     bytes = *std::move(compressed);
   }
+  block.set_encoded_bytes(bytes.size());
+  block.set_data(std::move(bytes));
+  return block;
+}
+
+v1alpha1::Block to_raw_block(std::string bytes) {
+  v1alpha1::Block block;
+  block.set_compression(v1alpha1::COMPRESSION_NONE);
+  block.set_decoded_bytes(bytes.size());
+  block.set_encoded_bytes(bytes.size());
   block.set_data(std::move(bytes));
   return block;
 }
@@ -32,6 +42,10 @@ absl::StatusOr<std::string_view> block_bytes(const v1alpha1::Block& block, std::
   if (!compressed && block.compression() != v1alpha1::COMPRESSION_NONE &&
       block.compression() != v1alpha1::COMPRESSION_UNSPECIFIED) {
     return malformed(fmt::format("{}: compression {} is unknown", name, static_cast<int>(block.compression())));
+  }
+  if (block.encoded_bytes() != 0 && block.encoded_bytes() != block.data().size()) {
+    return malformed(
+        fmt::format("{}: claims {} encoded bytes, but has {}", name, block.encoded_bytes(), block.data().size()));
   }
   const bool size_is_claimed = compressed || block.decoded_bytes() != 0;
   if (size_is_claimed && block.decoded_bytes() != expected_bytes) {
@@ -46,6 +60,16 @@ absl::StatusOr<std::string_view> block_bytes(const v1alpha1::Block& block, std::
   if (!bytes.ok()) return malformed(fmt::format("{}: {}", name, std::string(bytes.status().message())));
   buffer = *std::move(bytes);
   return std::string_view(buffer);
+}
+
+absl::StatusOr<std::string_view> block_bytes_up_to(const v1alpha1::Block& block, std::uint64_t max_bytes,
+                                                   std::string_view name, std::string& buffer) {
+  const bool compressed = block.compression() == v1alpha1::COMPRESSION_ZSTD;
+  const std::uint64_t bytes = compressed ? block.decoded_bytes() : block.data().size();
+  if (bytes > max_bytes) {
+    return limit_exceeded(fmt::format("{} has", name), bytes, "bytes", "max_decoded_bytes", max_bytes);
+  }
+  return block_bytes(block, bytes, name, buffer);
 }
 
 }  // namespace segserve::wire
