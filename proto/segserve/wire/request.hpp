@@ -3,6 +3,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/options/options.hpp"
 #include "segserve/v1alpha1/segmentation_service.pb.h"
+#include "segserve/v1alpha1/stream.pb.h"
 
 namespace segserve::wire {
 
@@ -27,5 +28,13 @@ struct ParsedRequest {
 /// INVALID_ARGUMENT, INVALID_FIELD that names every wrong field of the request at once. The payload is
 /// not decoded: see decode_cloud.
 absl::StatusOr<ParsedRequest> parse_request(const v1alpha1::SegmentRequest& request, const Options& defaults);
+
+/// The same for the opening of a stream: what a frame gets that says nothing.
+absl::StatusOr<ParsedRequest> parse_open(const v1alpha1::StreamOpen& open, const Options& defaults);
+
+/// The same for the header of a frame. What it does not say it has from the stream; options of its own go on top of
+/// the server's `defaults`.
+absl::StatusOr<ParsedRequest> parse_frame(const v1alpha1::FrameHeader& header, const ParsedRequest& stream,
+                                          const Options& defaults);
 
 }  // namespace segserve::wire

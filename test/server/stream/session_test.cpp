@@ -1,0 +1,584 @@
+// The protocol of stream.proto without a transport, with the clock and the workers in the test's hands.
+#include <thread>
+
+#include "gmock/gmock.h"
+#include "test/server/stream/session_harness.hpp"
+
+namespace segserve::server {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using v1alpha1::FrameOutcome;
+
+std::vector<std::uint64_t> sequences(const std::vector<FrameOutcome>& outcomes) {
+  std::vector<std::uint64_t> numbers;
+  for (const FrameOutcome& outcome : outcomes) numbers.push_back(outcome.sequence());
+  return numbers;
+}
+
+v1alpha1::StreamOpen opening(v1alpha1::WhenBehind when_behind,
+                             v1alpha1::ResultOrder order = v1alpha1::RESULT_ORDER_ORDERED) {
+  v1alpha1::StreamOpen open;
+  open.set_when_behind(when_behind);
+  open.set_order(order);
+  return open;
+}
+
+void expect_violation(const SessionHarness& harness, const std::string& text) {
+  const auto ended = harness.session->ended();
+  ASSERT_TRUE(ended.has_value()) << text;
+  EXPECT_EQ(ended->code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(wire::details_of(*ended).reason, v1alpha1::ERROR_REASON_PROTOCOL_VIOLATION);
+  EXPECT_THAT(std::string(ended->message()), HasSubstr(text));
+}
+
+TEST(Session, OpensWithItsCreditAndTheServersLimits) {
+  SessionHarness harness({.frames = 3, .bytes = 5000});
+  harness.settings.opened.set_server_version("1.2.3");
+  v1alpha1::SegmentStreamRequest message;
+  message.mutable_open()->mutable_wanted()->set_bytes(4000);
+  harness.say(message);
+  const auto said = harness.read();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].opened().server_version(), "1.2.3");
+  EXPECT_EQ(said[0].opened().credit().frames(), 3U);
+  EXPECT_EQ(said[0].opened().credit().bytes(), 4000U);
+  EXPECT_FALSE(harness.session->ended());
+}
+
+TEST(Session, AFrameGetsItsResult) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame frame(7);
+  frame.header.set_request_id("a");
+  frame.header.set_frame_id("camera");
+  frame.header.mutable_stamp()->set_seconds(12);
+  harness.send(frame, 10);
+  EXPECT_TRUE(harness.read().empty()) << "nothing is known before it is computed";
+  harness.compute();
+
+  const auto said = harness.read();
+  ASSERT_EQ(said.size(), 2U);
+  FrameOutcome outcome = said[0].outcome();
+  EXPECT_EQ(outcome.sequence(), 7U);
+  EXPECT_EQ(outcome.request_id(), "a");
+  EXPECT_EQ(outcome.frame_id(), "camera");
+  EXPECT_EQ(outcome.stamp().seconds(), 12);
+  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_FALSE(outcome.has_status());
+
+  wire::IncomingBytes bytes(wire::result_block_sizes(outcome.result()));
+  EXPECT_EQ(bytes.missing(), outcome.encoded_bytes());
+  EXPECT_EQ(said[1].chunk().sequence(), 7U);
+  ASSERT_TRUE(bytes.add(said[1].chunk().data()));
+  EXPECT_EQ(bytes.missing(), 0U);
+  EXPECT_EQ(bytes.crc32(), outcome.crc32());
+  bytes.move_to(wire::result_blocks(*outcome.mutable_result()));
+  EXPECT_EQ(outcome.result().labels().data().data(), std::string(9, '\1'));
+}
+
+TEST(Session, TheSegmenterGetsTheCloudAndTheOptions) {
+  SessionHarness harness;
+  harness.settings.max_threads = 2;
+  v1alpha1::StreamOpen open;
+  open.mutable_options()->set_voxel_resolution(0.01);
+  open.mutable_options()->set_threads(8);
+  harness.open(open);
+  std::vector<double> resolutions;
+  std::vector<std::uint32_t> threads;
+  harness.on_segment = [&](const CloudView& cloud, const Options& options, const StopToken&) {
+    EXPECT_EQ(cloud.size(), 9U);
+    EXPECT_EQ(cloud.z[8], 1.0F);
+    resolutions.push_back(resolved(options).voxel_resolution.value());
+    threads.push_back(options.threads);
+    return SessionHarness::all_in_one(cloud);
+  };
+  harness.send(SentFrame(1));
+  harness.compute();
+  SentFrame own(2);
+  own.header.mutable_options()->set_voxel_resolution(0.02);
+  harness.send(own);
+  harness.compute();
+  EXPECT_THAT(resolutions, ElementsAre(0.01, 0.02));
+  EXPECT_THAT(threads, ElementsAre(2U, 1U)) << "a frame's options replace those of the stream as a whole";
+}
+
+TEST(Session, OutcomesComeInTheOrderOfTheFramesIfAskedFor) {
+  for (const bool ordered : {true, false}) {
+    SessionHarness harness;
+    harness.open(opening(v1alpha1::WHEN_BEHIND_BLOCK,
+                         ordered ? v1alpha1::RESULT_ORDER_ORDERED : v1alpha1::RESULT_ORDER_UNORDERED));
+    harness.send(SentFrame(1));
+    harness.send(SentFrame(2));
+    FrameJob first = harness.executor.take();
+    harness.compute();
+    EXPECT_THAT(sequences(harness.outcomes()),
+                ordered ? testing::IsEmpty() : testing::Matcher<std::vector<std::uint64_t>>(ElementsAre(2U)));
+    first.run(harness.segmenter());
+    EXPECT_THAT(sequences(harness.outcomes()),
+                ordered ? testing::Matcher<std::vector<std::uint64_t>>(ElementsAre(1U, 2U)) : ElementsAre(1U));
+  }
+}
+
+TEST(Session, AFailedFrameDoesNotEndTheStream) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame wrong(1);
+  wrong.header.mutable_options()->set_voxel_resolution(-1);
+  wrong.header.mutable_cloud()->clear_view();
+  harness.send(wrong);  // with all its chunks, which were on their way
+  const FrameOutcome outcome = harness.outcome();
+  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_FAILED);
+  const auto fields = wire::details_of(wire::from_message(outcome.status())).fields;
+  EXPECT_EQ(fields.size(), 2U) << "every wrong field: " << outcome.status().message();
+
+  SentFrame too_large(2, equal_points(1001, 0, 0, 1));
+  harness.say_header(too_large.header);
+  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+
+  SentFrame bad_cloud(3);
+  harness.send(bad_cloud);
+  harness.on_segment = [](const auto&, const auto&, const auto&) { return absl::InvalidArgumentError("z <= 0"); };
+  harness.compute();
+  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_INVALID_CLOUD);
+
+  harness.on_segment = [](const auto&, const auto&, const auto&) -> absl::StatusOr<Segmentation> {
+    throw std::bad_alloc();
+  };
+  harness.send(SentFrame(4));
+  harness.compute();
+  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_INTERNAL);
+
+  harness.on_segment = nullptr;
+  harness.send(SentFrame(5));
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_FALSE(harness.session->ended());
+}
+
+TEST(Session, WhatAHeaderAnnouncesMustHold) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame sum(1);
+  sum.header.set_encoded_bytes(sum.header.encoded_bytes() + 1);
+  harness.say_header(sum.header);
+  FrameOutcome outcome = harness.outcome();
+  EXPECT_EQ(reason_of(outcome), v1alpha1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_THAT(outcome.status().message(), HasSubstr("encoded_bytes"));
+
+  SentFrame inside(2);
+  inside.header.mutable_cloud()->mutable_planar()->mutable_x()->set_data("abc");
+  harness.say_header(inside.header);
+  EXPECT_THAT(harness.outcome().status().message(), HasSubstr("chunks"));
+
+  SentFrame negative(3);
+  negative.header.mutable_age()->set_seconds(-1);
+  harness.say_header(negative.header);
+  EXPECT_THAT(harness.outcome().status().message(), HasSubstr("age"));
+
+  SentFrame decoded(4);
+  decoded.header.set_decoded_bytes(std::uint64_t{1} << 40U);
+  harness.say_header(decoded.header);
+  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+}
+
+TEST(Session, DamagedPayloadIsToBeSentAgain) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame frame(1);
+  frame.header.set_crc32(frame.header.crc32() ^ 1U);
+  harness.send(frame);
+  const FrameOutcome outcome = harness.outcome();
+  EXPECT_EQ(outcome.status().code(), static_cast<int>(absl::StatusCode::kAborted));
+  EXPECT_EQ(reason_of(outcome), v1alpha1::ERROR_REASON_CHECKSUM);
+  EXPECT_EQ(harness.executor.queued(), 0U);
+}
+
+TEST(Session, CreditIsUsedByHeadersAndReturnedWithTheLastChunk) {
+  const std::uint64_t bytes = SentFrame(1).bytes.size();
+  SessionHarness harness({.frames = 2, .bytes = 2 * bytes});
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.send(SentFrame(2));
+  harness.compute();
+  v1alpha1::SegmentStreamResponse message;
+  ASSERT_TRUE(harness.session->next(message));  // the outcome, not yet its chunk
+  harness.read();
+  harness.send(SentFrame(3));  // allowed again
+  EXPECT_FALSE(harness.session->ended());
+  harness.say_header(SentFrame(4).header);
+  expect_violation(harness, "credit of 2 frames");
+}
+
+TEST(Session, ResultsThatWereNotReadKeepTheirCredit) {
+  SessionHarness harness({.frames = 1, .bytes = 1000});
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.compute();
+  v1alpha1::SegmentStreamResponse message;
+  ASSERT_TRUE(harness.session->next(message));
+  ASSERT_TRUE(message.has_outcome());
+  harness.say_header(SentFrame(2).header);
+  expect_violation(harness, "credit of 1 frames");
+}
+
+TEST(Session, BytesBeyondTheCreditEndTheStream) {
+  SessionHarness harness({.frames = 4, .bytes = 200});
+  harness.open();
+  harness.say_header(SentFrame(1).header);
+  ASSERT_FALSE(harness.session->ended());
+  SessionHarness other({.frames = 4, .bytes = 100});
+  other.open();
+  other.say_header(SentFrame(1).header);
+  expect_violation(other, "credit of 100 bytes");
+}
+
+TEST(Session, BreakingTheProtocolEndsTheStream) {
+  const auto after_open = [](const auto& say, const std::string& text) {
+    SessionHarness harness;
+    harness.open();
+    say(harness);
+    expect_violation(harness, text);
+  };
+  after_open([](auto& h) { h.say({}); }, "no kind");
+  after_open(
+      [](auto& h) {
+        h.say([] {
+          v1alpha1::SegmentStreamRequest m;
+          m.mutable_open();
+          return m;
+        }());
+      },
+      "second");
+  after_open([](auto& h) { h.say_chunk(1, "a"); }, "not the last that has begun");
+  after_open(
+      [](auto& h) {
+        h.send(SentFrame(5));
+        h.send(SentFrame(5));
+      },
+      "frame 5 comes after frame 5");
+  after_open(
+      [](auto& h) {
+        h.say_header(SentFrame(1).header);
+        h.say_chunk(2, "a");
+      },
+      "not the last that has begun");
+  after_open(
+      [](auto& h) {
+        h.say_header(SentFrame(1).header);
+        h.say_chunk(1, "");
+      },
+      "chunk of 0 bytes");
+  after_open(
+      [](auto& h) {
+        h.say_header(SentFrame(1).header);
+        h.say_chunk(1, std::string(500, 'a'));
+      },
+      "more bytes");
+  after_open(
+      [](auto& h) {
+        h.say_header(SentFrame(1).header);
+        h.say_header(SentFrame(2).header);
+      },
+      "missing");
+  after_open([](auto& h) { h.say_chunk(0, std::string(wire::kMaxChunkBytes + 1, 'a')); }, "not the last");
+  SessionHarness unopened;
+  unopened.say_header(SentFrame(1).header);
+  expect_violation(unopened, "first message must be a StreamOpen");
+}
+
+TEST(Session, WrongOptionsInTheOpeningEndTheStreamWithAllTheirNames) {
+  SessionHarness harness;
+  v1alpha1::SegmentStreamRequest message;
+  message.mutable_open()->mutable_options()->set_voxel_resolution(-1);
+  message.mutable_open()->mutable_options()->set_seed_resolution(-1);
+  message.mutable_open()->set_client_name(std::string(300, 'a'));
+  harness.say(message);
+  const auto ended = harness.session->ended();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(wire::details_of(*ended).fields.size(), 3U);
+}
+
+TEST(Session, CancelTakesAFrameOutWhereverItIs) {
+  SessionHarness harness;
+  harness.open(opening(v1alpha1::WHEN_BEHIND_BLOCK, v1alpha1::RESULT_ORDER_UNORDERED));
+  harness.say_cancel(99);  // unknown
+  EXPECT_TRUE(harness.read().empty());
+
+  SentFrame uploading(1);
+  harness.say_header(uploading.header);
+  harness.say_cancel(1);
+  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+
+  harness.send(SentFrame(2));
+  harness.say_cancel(2);
+  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  EXPECT_EQ(harness.executor.queued(), 0U);
+
+  harness.send(SentFrame(3));
+  harness.on_segment = [&](const CloudView&, const Options&, const StopToken& stop) -> absl::StatusOr<Segmentation> {
+    EXPECT_FALSE(stop.stopped());
+    harness.say_cancel(3);
+    EXPECT_TRUE(stop.stopped());
+    return stop.check();
+  };
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  harness.say_cancel(3);  // its outcome is known
+  EXPECT_TRUE(harness.read().empty());
+}
+
+TEST(Session, FramesExpireWithTheirAgeAtTheClientCounted) {
+  SessionHarness harness;
+  harness.open(opening(v1alpha1::WHEN_BEHIND_BLOCK, v1alpha1::RESULT_ORDER_UNORDERED));
+  const auto frame = [](std::uint64_t sequence) {
+    SentFrame made(sequence);
+    made.header.mutable_time_to_live()->set_seconds(1);
+    made.header.mutable_age()->set_nanos(400'000'000);
+    return made;
+  };
+  harness.send(frame(1));
+  harness.say_header(frame(2).header);
+  harness.now += 599ms;
+  harness.session->on_tick();
+  EXPECT_TRUE(harness.read().empty());
+  harness.now += 1ms;
+  harness.session->on_tick();
+  for (const FrameOutcome& outcome : harness.outcomes()) EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_EXPIRED);
+  EXPECT_EQ(harness.executor.queued(), 0U) << "nobody computes what nobody wants";
+  EXPECT_EQ(harness.session->frames_in_flight(), 0U);
+
+  harness.send(frame(3));
+  harness.on_segment = [&](const CloudView& cloud, const auto&, const auto&) {
+    harness.now += 1s;
+    return SessionHarness::all_in_one(cloud);
+  };
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_EXPIRED) << "too late is too late";
+}
+
+TEST(Session, DropOldestMakesRoomForTheNewest) {
+  SessionHarness harness;
+  harness.executor.capacity = 2;
+  harness.open(opening(v1alpha1::WHEN_BEHIND_DROP_OLDEST));
+  for (const std::uint64_t sequence : {1, 2, 3}) harness.send(SentFrame(sequence));
+  FrameOutcome outcome = harness.outcome();
+  EXPECT_EQ(outcome.sequence(), 1U);
+  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_DROPPED);
+  harness.compute();
+  harness.compute();
+  EXPECT_THAT(sequences(harness.outcomes()), ElementsAre(2U, 3U));
+
+  harness.executor.capacity = 0;  // other streams fill it
+  harness.send(SentFrame(4));
+  outcome = harness.outcome();
+  EXPECT_EQ(outcome.sequence(), 4U);
+  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_DROPPED);
+}
+
+TEST(Session, RejectRefusesTheNewestAndBlockLosesNothing) {
+  SessionHarness harness;
+  harness.executor.capacity = 1;
+  harness.open(opening(v1alpha1::WHEN_BEHIND_REJECT));
+  harness.send(SentFrame(1));
+  harness.send(SentFrame(2));
+  harness.compute();
+  const auto outcomes = harness.outcomes();
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(outcomes[1].kind(), v1alpha1::OUTCOME_KIND_FAILED);
+  EXPECT_EQ(reason_of(outcomes[1]), v1alpha1::ERROR_REASON_QUEUE_FULL);
+
+  SessionHarness patient;
+  patient.executor.capacity = 1;
+  patient.open(opening(v1alpha1::WHEN_BEHIND_BLOCK));
+  for (const std::uint64_t sequence : {1, 2, 3}) patient.send(SentFrame(sequence));
+  while (patient.executor.queued() > 0) patient.compute();
+  EXPECT_THAT(sequences(patient.outcomes()), ElementsAre(1U, 2U, 3U));
+}
+
+TEST(Session, TheExecutorLearnsPriorityPointsAndBytes) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame frame(1);
+  frame.header.set_priority(-3);
+  harness.send(frame);
+  EXPECT_EQ(harness.executor.first().priority, -3);
+  EXPECT_EQ(harness.executor.first().points, 9U);
+  EXPECT_EQ(harness.executor.first().bytes, frame.header.encoded_bytes());
+}
+
+TEST(Session, AnUploadThatStallsFails) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame frame(1);
+  harness.say_header(frame.header);
+  harness.now += 4s;
+  harness.say_chunk(1, frame.bytes.next(1));
+  harness.now += 4s;
+  harness.session->on_tick();
+  EXPECT_TRUE(harness.read().empty()) << "a slow one does not";
+  harness.now += 1s;
+  harness.session->on_tick();
+  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_UPLOAD_STALLED);
+  harness.say_chunk(1, frame.bytes.next(1));  // was on its way
+  harness.send(SentFrame(2));
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_RESULT);
+}
+
+TEST(Session, HalfCloseEndsItWhenEveryFrameHasItsOutcome) {
+  SessionHarness harness;
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.session->on_half_close();
+  EXPECT_FALSE(harness.session->ended());
+  harness.compute();
+  EXPECT_FALSE(harness.session->ended()) << "the result is not sent yet";
+  harness.read();
+  EXPECT_EQ(harness.session->ended(), absl::OkStatus());
+}
+
+TEST(Session, HalfCloseInTheMiddleOfAFrameFailsIt) {
+  SessionHarness harness;
+  harness.open();
+  harness.say_header(SentFrame(1).header);
+  harness.session->on_half_close();
+  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(harness.session->ended(), absl::OkStatus());
+}
+
+TEST(Session, DrainingLetsFramesFinishAndRefusesLaterOnes) {
+  SessionHarness harness;
+  harness.open();
+  SentFrame begun(1);
+  harness.say_header(begun.header);
+  harness.session->start_draining();
+  const auto said = harness.read();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_TRUE(said[0].has_draining());
+  while (!begun.bytes.done()) harness.say_chunk(1, begun.bytes.next());
+  harness.send(SentFrame(2));
+  harness.compute();
+  const auto outcomes = harness.outcomes();
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(reason_of(outcomes[1]), v1alpha1::ERROR_REASON_DRAINING);
+  const auto ended = harness.session->ended();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->code(), absl::StatusCode::kUnavailable);
+  EXPECT_TRUE(wire::details_of(*ended).retry_delay);
+}
+
+TEST(Session, AnIdleStreamEndsAtOnceWhenTheServerDrains) {
+  SessionHarness harness;
+  harness.open();
+  harness.session->start_draining();
+  harness.read();
+  EXPECT_EQ(harness.session->ended()->code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(Session, ABrokenConnectionStopsTheComputationAndWaitsForIt) {
+  SessionHarness harness;
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.send(SentFrame(2));
+  harness.on_segment = [&](const CloudView&, const Options&, const StopToken& stop) -> absl::StatusOr<Segmentation> {
+    harness.session->on_cancel(absl::CancelledError("gone"));
+    EXPECT_FALSE(harness.session->ended()) << "a worker is still at it";
+    return stop.check();
+  };
+  harness.compute();
+  EXPECT_EQ(harness.executor.queued(), 0U);
+  EXPECT_EQ(harness.session->ended()->code(), absl::StatusCode::kCancelled);
+  EXPECT_TRUE(harness.read().empty());
+}
+
+TEST(Session, AWorkerThatTookAFrameOfAnEndedStreamLetsItBe) {
+  SessionHarness harness;
+  harness.open();
+  harness.send(SentFrame(1));
+  FrameJob job = harness.executor.take();
+  harness.session->on_cancel(absl::CancelledError("gone"));
+  harness.on_segment = [](const CloudView&, const auto&, const auto&) -> absl::StatusOr<Segmentation> {
+    ADD_FAILURE() << "segmented in vain";
+    return absl::InternalError("");
+  };
+  job.run(harness.segmenter());
+  EXPECT_TRUE(harness.session->ended());
+}
+
+TEST(Session, GivesItsCreditBackWhenItIsClosed) {
+  SessionHarness harness({.frames = 1, .bytes = 1000});
+  EXPECT_EQ(harness.budget().free_bytes(), 4000U);
+  harness.open();
+  EXPECT_EQ(harness.budget().free_bytes(), 3000U);
+  harness.session->close();
+  EXPECT_EQ(harness.budget().free_bytes(), 4000U);
+}
+
+TEST(Session, WithoutCreditLeftTheStreamIsRefused) {
+  SessionHarness harness({.frames = 1, .bytes = 1000});
+  const auto all = harness.budget().reserve({.frames = 1, .bytes = 1000});
+  const auto more = harness.budget().reserve({}), most = harness.budget().reserve({}),
+             rest = harness.budget().reserve({});
+  ASSERT_TRUE(all && more && most && rest);
+  v1alpha1::SegmentStreamRequest message;
+  message.mutable_open();
+  harness.say(message);
+  EXPECT_EQ(harness.session->ended()->code(), absl::StatusCode::kResourceExhausted);
+  EXPECT_TRUE(wire::details_of(*harness.session->ended()).retry_delay);
+}
+
+// Every frame has exactly one outcome, whatever happens in whatever order, with workers of their own (for TSan, too).
+TEST(Session, EveryFrameHasExactlyOneOutcome) {
+  SessionHarness harness({.frames = 8, .bytes = 1 << 20});
+  harness.open(opening(v1alpha1::WHEN_BEHIND_DROP_OLDEST, v1alpha1::RESULT_ORDER_UNORDERED));
+  constexpr std::uint64_t kFrames = 400;
+  std::mutex mutex;
+  std::vector<FrameJob> stolen;
+  std::atomic<bool> done{false};
+  const auto work = [&] {
+    while (!done) {
+      FrameJob job;
+      {
+        const std::lock_guard lock(mutex);
+        if (stolen.empty()) continue;
+        job = std::move(stolen.back());
+        stolen.pop_back();
+      }
+      job.run(harness.segmenter());
+    }
+  };
+  std::thread one(work), two(work);
+  std::map<std::uint64_t, int> outcomes;
+  const auto pump = [&] {
+    for (const FrameOutcome& outcome : harness.outcomes()) ++outcomes[outcome.sequence()];
+    while (harness.executor.queued() > 2) {
+      const std::lock_guard lock(mutex);
+      stolen.push_back(harness.executor.take());
+    }
+  };
+  for (std::uint64_t sequence = 0; sequence < kFrames; ++sequence) {
+    while (sequence >= outcomes.size() + 8) pump();
+    harness.send(SentFrame(sequence));
+    if (sequence % 3 == 0) harness.say_cancel(sequence - sequence % 2);
+    harness.session->on_tick();
+  }
+  while (harness.executor.queued() > 0) {
+    const std::lock_guard lock(mutex);
+    stolen.push_back(harness.executor.take());
+  }
+  while (outcomes.size() < kFrames) pump();
+  done = true;
+  one.join();
+  two.join();
+  pump();
+  for (const auto& [sequence, count] : outcomes) EXPECT_EQ(count, 1) << sequence;
+  EXPECT_FALSE(harness.session->ended());
+}
+
+}  // namespace
+}  // namespace segserve::server
