@@ -1,15 +1,19 @@
 #include "segserve/wire/result_blocks.hpp"
+
 namespace segserve::wire {
+
 std::vector<std::string*> result_blocks(v1alpha1::SegmentationResult& message) {
   std::vector<std::string*> blocks;
   if (message.has_labels()) blocks.push_back(message.mutable_labels()->mutable_data()->mutable_data());
   if (message.has_supervoxels()) blocks.push_back(message.mutable_supervoxels()->mutable_data()->mutable_data());
   return blocks;
 }
+
 std::vector<std::uint64_t> result_block_sizes(const v1alpha1::SegmentationResult& message) {
   std::vector<std::uint64_t> sizes;
   if (message.has_labels()) sizes.push_back(message.labels().data().encoded_bytes());
   if (message.has_supervoxels()) sizes.push_back(message.supervoxels().data().encoded_bytes());
   return sizes;
 }
-}
+
+}  // namespace segserve::wire
