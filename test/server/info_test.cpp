@@ -23,6 +23,8 @@ TEST(ServerInfo, TellsTheLimitsOfThisServer) {
   options.workers = 3;
   options.threads = 2;
   options.queue = 7;
+  options.queue_bytes = 99'000'000;
+  options.queue_points = 5555;
   options.max_points = 1234;
   options.max_decoded_bytes = 56'789;
   RunningServer server(options);
@@ -31,6 +33,8 @@ TEST(ServerInfo, TellsTheLimitsOfThisServer) {
   EXPECT_EQ(info.limits().workers(), 3U);
   EXPECT_EQ(info.limits().max_threads(), 2U);
   EXPECT_EQ(info.limits().max_queue(), 7U);
+  EXPECT_EQ(info.limits().max_queue_bytes(), 99'000'000U);
+  EXPECT_EQ(info.limits().max_queue_points(), 5555U);
   EXPECT_EQ(info.limits().max_points(), 1234U);
   EXPECT_EQ(info.limits().max_decoded_bytes(), 56'789U);
   EXPECT_EQ(info.limits().max_message_bytes(), wire::kMaxRequestBytes);

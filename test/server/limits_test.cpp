@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <future>
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "segserve/codec/pcd.hpp"
@@ -89,6 +92,8 @@ TEST(Limits, AFullQueueSaysWhenToTryAgain) {
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
   const wire::ErrorDetails details = wire::details_of(refused);
   EXPECT_EQ(details.reason, v1alpha1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_THAT(details.metadata,
+              testing::UnorderedElementsAre(Pair("limit", "max_queue"), Pair("allowed", "2"), Pair("actual", "3")));
   ASSERT_TRUE(details.retry_delay.has_value());
   EXPECT_GT(details.retry_delay->count(), 0);
 
@@ -96,6 +101,57 @@ TEST(Limits, AFullQueueSaysWhenToTryAgain) {
   EXPECT_TRUE(first.get().ok());
   EXPECT_TRUE(second.get().ok());
   EXPECT_TRUE(server.segment(request).ok());
+}
+
+TEST(Limits, AQueueFullOfPointsSaysSo) {
+  Blockade blockade;
+  ServerOptions options = small_server();
+  options.max_points = 100;
+  options.queue_points = 150;
+  RunningServer server(options, blocking_factory(blockade));
+  const v1alpha1::SegmentRequest request = request_for(equal_points(100, 0, 0, 1));
+  grpc::ClientContext first_context;
+  auto first = server.segment_later(first_context, request);
+  ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
+
+  const absl::Status refused = server.segment(request).status();
+  EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
+  EXPECT_THAT(
+      wire::details_of(refused).metadata,
+      testing::UnorderedElementsAre(Pair("limit", "max_queue_points"), Pair("allowed", "150"), Pair("actual", "200")));
+  blockade.release();
+  EXPECT_TRUE(first.get().ok());
+}
+
+TEST(Limits, AClientThatFillsTheQueueMakesWayForAnother) {
+  Blockade blockade;
+  ServerOptions options = small_server();
+  options.queue = 2;
+  RunningServer server(options, blocking_factory(blockade));
+  const v1alpha1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
+  std::vector<grpc::ClientContext> contexts(3);
+  std::vector<std::future<absl::Status>> calls;
+  for (std::size_t i = 0; i < 3; ++i) {
+    calls.push_back(server.segment_later(contexts[i], request));
+    ASSERT_TRUE(eventually([&] { return server.server().calls() == i + 1; }));
+  }
+  ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
+
+  auto other = std::async(std::launch::async, [&] { return server.segment_from_elsewhere(request); });
+  const auto is_over = [](const std::future<absl::Status>& call) {
+    return call.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  };
+  EXPECT_TRUE(eventually([&] { return std::ranges::any_of(calls, is_over); }));
+  blockade.release();
+  EXPECT_TRUE(other.get().ok());
+  std::vector<absl::Status> failed;
+  for (std::future<absl::Status>& call : calls) {
+    if (absl::Status status = call.get(); !status.ok()) failed.push_back(std::move(status));
+  }
+  ASSERT_EQ(failed.size(), 1U);
+  EXPECT_EQ(failed[0].code(), absl::StatusCode::kResourceExhausted) << failed[0];
+  EXPECT_EQ(wire::details_of(failed[0]).reason, v1alpha1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_TRUE(wire::details_of(failed[0]).retry_delay.has_value());
 }
 
 }  // namespace

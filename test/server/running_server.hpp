@@ -47,6 +47,17 @@ class RunningServer {
     return response;
   }
 
+  /// The same on a connection of its own: as another client.
+  absl::Status segment_from_elsewhere(const v1alpha1::SegmentRequest& request) {
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    const auto stub = v1alpha1::SegmentationService::NewStub(
+        grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments));
+    grpc::ClientContext context;
+    v1alpha1::SegmentResponse response;
+    return wire::from_grpc(stub->Segment(&context, request, &response));
+  }
+
   /// A call in a thread of its own. The context, which can cancel it, must outlive the call.
   std::future<absl::Status> segment_later(grpc::ClientContext& context, v1alpha1::SegmentRequest request) {
     return std::async(std::launch::async, [this, &context, request = std::move(request)] {

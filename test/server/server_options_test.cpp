@@ -20,12 +20,15 @@ TEST(ServerOptions, EveryFaultIsNamedAtOnce) {
   options.listen = "nowhere";
   options.threads = 0;
   options.queue = 0;
-  options.max_points = 0;
+  options.queue_bytes = options.max_decoded_bytes - 1;
+  options.queue_points = 99;
+  options.max_points = 100;
   options.grace_period = std::chrono::milliseconds(-1);
   options.drain_delay = std::chrono::milliseconds(-1);
   options.defaults.lambda = 3;
-  EXPECT_THAT(wrong_flags(options), testing::UnorderedElementsAre("listen", "threads", "queue", "max-points",
-                                                                  "grace-period", "drain-delay", "lambda"));
+  EXPECT_THAT(wrong_flags(options),
+              testing::UnorderedElementsAre("listen", "threads", "queue", "queue-bytes", "queue-points", "grace-period",
+                                            "drain-delay", "lambda"));
   const auto server = Server::start(options);
   EXPECT_EQ(server.status().code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(std::string(server.status().message()),

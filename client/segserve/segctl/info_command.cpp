@@ -41,7 +41,9 @@ Json limits_json(const v1alpha1::Limits& limits) {
           {"max_decoded_bytes", limits.max_decoded_bytes()},
           {"max_threads", limits.max_threads()},
           {"workers", limits.workers()},
-          {"max_queue", limits.max_queue()}};
+          {"max_queue", limits.max_queue()},
+          {"max_queue_bytes", limits.max_queue_bytes()},
+          {"max_queue_points", limits.max_queue_points()}};
 }
 
 Json option_json(const v1alpha1::OptionInfo& option) {

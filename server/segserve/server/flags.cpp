@@ -59,6 +59,10 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   app.add_option("--threads", server.threads, "Most threads within one call")->capture_default_str();
   app.add_option("--queue", server.queue, "Calls that may wait for a worker; one more is refused")
       ->capture_default_str();
+  app.add_option("--queue-bytes", server.queue_bytes, "Most bytes of all requests that wait or are computed")
+      ->capture_default_str();
+  app.add_option("--queue-points", server.queue_points, "Most points of all clouds that wait or are computed")
+      ->capture_default_str();
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
       ->capture_default_str();

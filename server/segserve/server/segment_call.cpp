@@ -7,6 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "segserve/server/frame.hpp"
 #include "segserve/server/no_throw.hpp"
+#include "segserve/server/queue_full.hpp"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/status.hpp"
 #include "spdlog/spdlog.h"
@@ -21,6 +22,13 @@ std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerConte
   const auto deadline = context.deadline();
   if (deadline == std::chrono::system_clock::time_point::max()) return std::nullopt;
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(deadline - std::chrono::system_clock::now());
+}
+
+/// Points of a cloud that is not decoded yet, for the queue: what its shape says, or what its bytes suggest.
+std::uint64_t estimated_points(const v1alpha1::Cloud& cloud, const codec::DecodeLimits& limits) {
+  constexpr std::uint64_t kTypicalBytesPerPoint = 16;
+  const std::uint64_t claimed = std::uint64_t{cloud.width()} * cloud.height();
+  return std::min(limits.max_points, claimed != 0 ? claimed : cloud.ByteSizeLong() / kTypicalBytesPerPoint);
 }
 
 /// One line for the log. What callers chose is escaped, so that it cannot forge lines.
@@ -54,9 +62,9 @@ void SegmentCall::start(grpc::ByteBuffer& request) {
 }
 
 absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
-  if (request.Length() > wire::kMaxRequestBytes) {
-    return wire::limit_exceeded("the request has", request.Length(), "bytes", "max_message_bytes",
-                                wire::kMaxRequestBytes);
+  const std::uint64_t bytes = request.Length();
+  if (bytes > wire::kMaxRequestBytes) {
+    return wire::limit_exceeded("the request has", bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
   }
   if (!grpc::SerializationTraits<v1alpha1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
     return wire::with_reason(absl::InvalidArgumentError("the request is no serialised SegmentRequest"),
@@ -66,20 +74,24 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
   if (!parsed.ok()) return parsed.status();
   parsed->options.threads = std::min(parsed->options.threads, service_.max_threads_);
 
-  ticket_ = service_.pool_.submit([this, parsed = *std::move(parsed)](std::size_t worker) { run(worker, parsed); });
-  if (ticket_) return absl::OkStatus();
-  return wire::with_details(absl::ResourceExhaustedError("all workers are busy and the queue is full; try again later"),
-                            {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL, .retry_delay = service_.retry_delay()});
+  // Calls on one connection are one client's. Many programs share an address, and names can be made up.
+  JobInfo info{
+      .client = context_.peer(), .points = estimated_points(request_.cloud(), service_.limits_), .bytes = bytes};
+  Job job{.run = [this, parsed = *std::move(parsed)](std::size_t worker) { run(worker, parsed); },
+          .evicted = [this] { finish(evicted_from_queue(service_.pool_.retry_delay())); }};
+  const auto submitted = service_.pool_.submit(std::move(info), std::move(job));
+  if (const Refusal* refusal = std::get_if<Refusal>(&submitted)) {
+    return queue_full(*refusal, service_.pool_.retry_delay());
+  }
+  ticket_ = std::get<WorkerPool::Ticket>(submitted);
+  return absl::OkStatus();
 }
 
 void SegmentCall::run(std::size_t worker, const wire::ParsedRequest& parsed) {
-  const Clock::time_point started = Clock::now();
-  const absl::Status status = no_throw([&] {
+  finish(no_throw([&] {
     return answer(
         process({request_.cloud(), parsed, arrival_}, service_.limits_, *service_.segmenters_[worker], stop_token()));
-  });
-  if (status.ok()) service_.note_duration(Clock::now() - started);
-  finish(status);
+  }));
 }
 
 absl::Status SegmentCall::answer(absl::StatusOr<v1alpha1::SegmentationResult> result) {

@@ -15,7 +15,7 @@
 namespace segserve::server {
 
 /// One call of Segment from its arrival to its status. Finish happens exactly once: by `start` (refused), by the
-/// worker that took the job, or by OnCancel if it could withdraw the job before a worker took it.
+/// worker that took the job, by the pool if it evicts the job, or by OnCancel if it could withdraw the job before that.
 class SegmentCall final : public grpc::ServerUnaryReactor {
  public:
   /// `response` gets the bytes of a SegmentResponse.

@@ -108,6 +108,10 @@ std::vector<FieldViolation> violations(const ServerOptions& options) {
   check_range<std::size_t>("workers", options.workers, 0, 1024, faults);
   check_range<std::uint32_t>("threads", options.threads, 1, 64, faults);
   check_range<std::size_t>("queue", options.queue, 1, 100'000, faults);
+  check_range<std::uint64_t>("queue-bytes", options.queue_bytes,
+                             std::max(options.max_decoded_bytes, wire::kMaxRequestBytes), std::uint64_t{1} << 50U,
+                             faults);
+  check_range<std::uint64_t>("queue-points", options.queue_points, options.max_points, std::uint64_t{1} << 50U, faults);
   check_range<std::uint64_t>("max-points", options.max_points, 1, 1'000'000'000, faults);
   check_range<std::uint64_t>("max-decoded-bytes", options.max_decoded_bytes, 1, std::uint64_t{1} << 40U, faults);
   check_range<std::int64_t>("grace-period", options.grace_period.count(), 0, 86'400'000, faults);

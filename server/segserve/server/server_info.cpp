@@ -23,6 +23,8 @@ v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::s
   limits.set_max_threads(options.threads);
   limits.set_workers(static_cast<std::uint32_t>(workers));
   limits.set_max_queue(static_cast<std::uint32_t>(options.queue));
+  limits.set_max_queue_bytes(options.queue_bytes);
+  limits.set_max_queue_points(options.queue_points);
 
   const Options defaults = resolved(options.defaults);
   *info.mutable_default_options() = wire::to_message(defaults);

@@ -22,6 +22,10 @@ struct ServerOptions {
   std::uint32_t threads = 1;
   /// Calls that may wait for a worker.
   std::size_t queue = 64;
+  /// Bytes of requests, waiting or computed, over all clients.
+  std::uint64_t queue_bytes = std::uint64_t{512} << 20U;
+  /// Points of clouds, waiting or computed, over all clients.
+  std::uint64_t queue_points = 50'000'000;
 
   /// Points of one cloud.
   std::uint64_t max_points = 2'000'000;

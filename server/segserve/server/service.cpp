@@ -26,7 +26,8 @@ SegmentationService::SegmentationService(const ServerOptions& options, const Seg
       limits_{.max_points = options.max_points, .max_bytes = options.max_decoded_bytes},
       info_(server_info(options, options.workers)),
       segmenters_(make_segmenters(options.workers, make_segmenter)),
-      pool_(options.workers, options.queue) {}
+      pool_(options.workers,
+            {.jobs = options.workers + options.queue, .bytes = options.queue_bytes, .points = options.queue_points}) {}
 
 grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
                                                        const grpc::ByteBuffer* request, grpc::ByteBuffer* response) {
@@ -51,18 +52,6 @@ grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServe
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);
   return reactor;
-}
-
-std::chrono::milliseconds SegmentationService::retry_delay() const {
-  const double calls_ahead = static_cast<double>(pool_.queued()) / static_cast<double>(pool_.workers());
-  return std::chrono::milliseconds(
-      static_cast<std::int64_t>(std::clamp(typical_ms_ * (calls_ahead + 1), 20.0, 10'000.0)));
-}
-
-void SegmentationService::note_duration(std::chrono::steady_clock::duration duration) {
-  // An update lost to another worker's does no harm.
-  const double sample = std::chrono::duration<double, std::milli>(duration).count();
-  typical_ms_ = 0.9 * typical_ms_ + 0.1 * sample;
 }
 
 }  // namespace segserve::server

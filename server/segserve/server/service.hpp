@@ -1,6 +1,5 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <memory>
 #include <vector>
@@ -44,16 +43,11 @@ class SegmentationService final : public RawSegmentationService {
  private:
   friend class SegmentCall;
 
-  /// How long a caller should wait for a free place, judged by the calls before.
-  std::chrono::milliseconds retry_delay() const;
-  void note_duration(std::chrono::steady_clock::duration duration);
-
   const Options defaults_;
   const std::uint32_t max_threads_;
   const codec::DecodeLimits limits_;
   const v1alpha1::GetServerInfoResponse info_;
   CallGate gate_;
-  std::atomic<double> typical_ms_{100};                          // a call on a worker, moving average
   std::vector<std::unique_ptr<SegmenterInterface>> segmenters_;  // one per worker
   WorkerPool pool_;  // the last member: it ends first, and with it whatever uses the others
 };

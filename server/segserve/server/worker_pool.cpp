@@ -1,11 +1,12 @@
 #include "segserve/server/worker_pool.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace segserve::server {
 
-WorkerPool::WorkerPool(std::size_t workers, std::size_t max_queue) : capacity_(workers + max_queue) {
+WorkerPool::WorkerPool(std::size_t workers, const QueueBounds& bounds) : queue_(bounds) {
   threads_.reserve(workers);
   for (std::size_t worker = 0; worker < workers; ++worker) {
     threads_.emplace_back([this, worker] { run(worker); });
@@ -21,43 +22,54 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-std::optional<WorkerPool::Ticket> WorkerPool::submit(Job job) {
-  Ticket ticket = 0;
+std::variant<WorkerPool::Ticket, Refusal> WorkerPool::submit(JobInfo info, Job job) {
+  FairQueue::Pushed pushed;
   {
     const std::lock_guard lock(mutex_);
-    if (running_ + queue_.size() >= capacity_) return std::nullopt;
-    ticket = next_ticket_++;
-    queue_.push_back({ticket, std::move(job)});
+    pushed = queue_.push(std::move(info), std::move(job));
   }
-  work_or_stop_.notify_one();
-  return ticket;
+  if (std::holds_alternative<Ticket>(pushed.result)) work_or_stop_.notify_one();
+  for (const Job& evicted : pushed.evicted) evicted.evicted();
+  return pushed.result;
 }
 
 bool WorkerPool::withdraw(Ticket ticket) {
+  std::optional<Job> job;  // ends, with all it keeps, after the lock is gone
   const std::lock_guard lock(mutex_);
-  const auto found = std::ranges::find(queue_, ticket, &Entry::ticket);
-  if (found == queue_.end()) return false;
-  queue_.erase(found);
-  return true;
+  job = queue_.withdraw(ticket);
+  return job.has_value();
 }
 
 std::size_t WorkerPool::queued() const {
   const std::lock_guard lock(mutex_);
-  return queue_.size();
+  return queue_.waiting();
+}
+
+QueueBounds WorkerPool::held() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.held();
+}
+
+std::chrono::milliseconds WorkerPool::retry_delay() const {
+  using std::chrono::milliseconds;
+  const std::lock_guard lock(mutex_);
+  const auto delay = std::chrono::duration_cast<milliseconds>(queue_.backlog()) / threads_.size();
+  return std::clamp<milliseconds>(delay, milliseconds(20), milliseconds(10'000));
 }
 
 void WorkerPool::run(std::size_t worker) {
   std::unique_lock lock(mutex_);
   while (true) {
-    work_or_stop_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    if (queue_.empty()) return;
-    const Job job = std::move(queue_.front().job);
-    queue_.pop_front();
-    ++running_;
+    work_or_stop_.wait(lock, [this] { return stopping_ || queue_.waiting() > 0; });
+    std::optional<FairQueue::Started> started = queue_.start_next();
+    if (!started) return;
     lock.unlock();
-    job(worker);
+    const auto begin = std::chrono::steady_clock::now();
+    started->job.run(worker);
+    started->job = {};  // frees what the job keeps before its place is free
+    const auto took = std::chrono::steady_clock::now() - begin;
     lock.lock();
-    --running_;
+    queue_.finish(started->ticket, took);
   }
 }
 
