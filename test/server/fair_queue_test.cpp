@@ -215,6 +215,19 @@ TEST(FairQueue, RefusesBeyondEachBoundAndNamesIt) {
   EXPECT_EQ(refused(queue, {.client = "d", .bytes = ~std::uint64_t{0}}).bound, Bound::kJobs);
 }
 
+TEST(FairQueue, AJobThatMayExceedTheBoundsIsTakenAndCounts) {
+  FairQueue queue({.jobs = 1, .bytes = 100, .points = 100});
+  must_push(queue, {.client = "c", .bytes = 90}, evictable());
+  const FairQueue::Pushed pushed = queue.push({.client = "d", .bytes = 90, .may_exceed_bounds = true}, nothing());
+  EXPECT_TRUE(std::holds_alternative<Ticket>(pushed.result));
+  EXPECT_TRUE(pushed.evicted.empty());
+  EXPECT_EQ(queue.held().bytes, 180U);
+  queue.finish(queue.start_next()->ticket, 1ms);
+  EXPECT_TRUE(std::holds_alternative<Refusal>(queue.push({.client = "c"}, nothing()).result));
+  queue.finish(queue.start_next()->ticket, 1ms);
+  must_push(queue, {.client = "c", .bytes = 100});
+}
+
 TEST(FairQueue, CountsOfAnySizeDoNotOverflow) {
   FairQueue queue({.jobs = 3, .bytes = 100, .points = 100});
   must_push(queue, {.client = "c", .points = 1, .bytes = 1});

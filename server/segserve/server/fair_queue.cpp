@@ -34,7 +34,8 @@ double cost_in_points(const JobInfo& info) { return kPointsOfAnyJob + static_cas
 
 FairQueue::Pushed FairQueue::push(JobInfo info, Job job) {
   Pushed pushed;
-  if (const std::optional<Refusal> refused = refusal(held_, info)) {
+  const std::optional<Refusal> refused = info.may_exceed_bounds ? std::nullopt : refusal(held_, info);
+  if (refused) {
     const std::optional<std::vector<Ticket>> victims = victims_for(info);
     if (!victims) return {*refused, {}};
     for (const Ticket victim : *victims) pushed.evicted.push_back(take(victim));

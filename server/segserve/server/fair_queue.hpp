@@ -19,6 +19,9 @@ struct JobInfo {
   std::int32_t priority = 0;  ///< among the jobs of its client; the highest comes first
   std::uint64_t points = 0;   ///< of its cloud, as far as known: the estimate of its work
   std::uint64_t bytes = 0;    ///< that it keeps in memory until it ends
+  /// Taken even if the queue is full, because something else has bounded such jobs: the credit of a stream. It counts
+  /// against the bounds like any other.
+  bool may_exceed_bounds = false;
 };
 
 /// A job is told which worker runs it, 0 .. workers - 1, so that it can use what that worker owns. It must
