@@ -203,12 +203,5 @@ TEST(ClientWithoutServer, RefusesOptionsThatMakeNoSense) {
   EXPECT_TRUE(absl::IsInvalidArgument(Client::connect({.timeout = milliseconds(0)}).status()));
 }
 
-TEST(ClientWithoutServer, RefusesARequestThatIsTooLargeWithoutSendingIt) {
-  const auto client = Client::connect({.address = kNobody});
-  const auto result = client->segment(incompressible_cloud(1'000'000));
-  EXPECT_TRUE(absl::IsInvalidArgument(result.status())) << result.status();  // and not UNAVAILABLE
-  EXPECT_THAT(std::string(result.status().message()), HasSubstr("8388608"));
-}
-
 }  // namespace
 }  // namespace segserve::client

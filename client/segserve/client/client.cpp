@@ -1,17 +1,24 @@
 #include "segserve/client/client.hpp"
 
+#include <random>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "fmt/format.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "grpcpp/client_context.h"
-#include "grpcpp/create_channel.h"
-#include "grpcpp/security/credentials.h"
-#include "grpcpp/support/channel_arguments.h"
+#include "segserve/client/address_book.hpp"
+#include "segserve/client/answer.hpp"
 #include "segserve/client/call_status.hpp"
+#include "segserve/client/channels.hpp"
+#include "segserve/client/local.hpp"
 #include "segserve/client/request.hpp"
+#include "segserve/client/retry.hpp"
+#include "segserve/client/stream_driver.hpp"
 #include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
 #include "segserve/wire/limits.hpp"
+#include "segserve/wire/status.hpp"
 
 namespace segserve::client {
 namespace {
@@ -21,82 +28,132 @@ using Health = grpc::health::v1::Health;
 using HealthRequest = grpc::health::v1::HealthCheckRequest;
 using HealthResponse = grpc::health::v1::HealthCheckResponse;
 
-void prepare(grpc::ClientContext& context, const ClientOptions& options,
-             std::optional<std::chrono::milliseconds> timeout) {
-  context.set_deadline(std::chrono::system_clock::now() + timeout.value_or(options.timeout));
-  context.set_wait_for_ready(options.wait_for_server);
+bool is_too_large(const absl::Status& status) {
+  return wire::details_of(status).reason == v1alpha1::ERROR_REASON_LIMIT_EXCEEDED;
 }
 
 /// For a PCD file the server has counted the points.
 std::size_t claimed_points(const v1alpha1::SegmentResponse& response) { return response.result().summary().points(); }
 
-/// A bad answer is the server's fault, not the caller's.
-absl::StatusOr<Result> check_answer(absl::StatusOr<Result> result, const wire::Outputs& wanted) {
-  if (!result.ok())
-    return absl::InternalError(fmt::format("the answer is broken: {}", std::string(result.status().message())));
-  const Segmentation& got = result->segmentation;
-  const bool complete = (!wanted.labels || got.labels.size() == result->points) &&
-                        (!wanted.supervoxels || got.supervoxels.size() == result->points) &&
-                        (!wanted.tree || got.tree.leaf_count() == result->supervoxels);
-  if (!complete) return absl::InternalError("the answer is broken: it lacks arrays that were asked for");
-  return result;
-}
-
 }  // namespace
 
 absl::StatusOr<Client> Client::connect(ClientOptions options) {
-  if (options.address.empty()) return absl::InvalidArgumentError("the server's address is empty");
+  auto addresses = parse_addresses(options.address);
+  if (!addresses.ok()) return addresses.status();
   if (options.timeout <= std::chrono::milliseconds::zero()) {
     return absl::InvalidArgumentError(fmt::format("timeout: {} ms is not above 0", options.timeout.count()));
   }
-  grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(wire::kClientReceiveBytes);
-  auto channel = grpc::CreateCustomChannel(options.address, grpc::InsecureChannelCredentials(), arguments);
-  return Client(std::move(channel), std::move(options));
+  return Client(std::make_shared<Channels>(*std::move(addresses)), std::move(options));
 }
 
+Client::Client(std::shared_ptr<Channels> channels, ClientOptions options)
+    : channels_(std::move(channels)), options_(std::move(options)) {}
+
 Client::Client(std::shared_ptr<grpc::Channel> channel, ClientOptions options)
-    : channel_(std::move(channel)), options_(std::move(options)) {}
+    : Client(std::make_shared<Channels>(options.address, std::move(channel)), options) {}
+
+absl::Status Client::call(std::optional<std::chrono::milliseconds> timeout, Attempt attempt) const {
+  const Time deadline = Clock::now() + timeout.value_or(options_.timeout);
+  const std::vector<std::string>& addresses = channels_->addresses();
+  AddressBook book(addresses.size(), channels_->next_start(), options_.retry, std::random_device()());
+  absl::Status status;
+  for (std::uint32_t tries = 0; tries == 0 || is_worth_another(status, tries, book); ++tries) {
+    const AddressBook::Choice choice = book.choose(Clock::now());
+    if (choice.not_before >= deadline) break;
+    std::this_thread::sleep_until(choice.not_before);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + (deadline - Clock::now()));
+    context.set_wait_for_ready(options_.wait_for_server && addresses.size() == 1);
+    const grpc::Status answer = attempt(channels_->get(choice.address), context);
+    if (answer.ok()) return absl::OkStatus();
+    status = as_seen_by_a_caller_who_did_not_cancel(call_status(answer, addresses[choice.address]));
+    book.failed(choice.address, Clock::now(), wire::details_of(status).retry_delay);
+  }
+  return status;
+}
+
+bool Client::is_worth_another(const absl::Status& status, std::uint32_t tries, const AddressBook& book) const {
+  if (!is_retryable(status)) return false;
+  const bool server_said_so = wire::details_of(status).reason != v1alpha1::ERROR_REASON_UNSPECIFIED;
+  if (server_said_so) return tries < options_.retry.max_attempts;
+  return options_.wait_for_server || !book.nobody_in_reach();
+}
+
+absl::StatusOr<Stream> Client::open_stream(StreamOptions options) const {
+  if (absl::Status status = wire::invalid_fields(violations(options)); !status.ok()) return status;
+  return Stream(std::make_shared<StreamDriver>(channels_, std::move(options)));
+}
 
 absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& options, const CallOptions& call) const {
   const auto request = planar_request(cloud, options, call);
-  if (!request.ok()) return request.status();
-  return call_segment(*request, call, cloud.size());
+  if (request.ok()) {
+    auto result = call_segment(*request, call, cloud.size());
+    if (!is_local_turn(result.status())) return result;
+    return segment_here(Payload(request->cloud(), cloud.size()), options, StopToken());
+  }
+  if (!is_too_large(request.status())) return request.status();
+  const bool compress = call.compress != Compress::kNever;
+  auto payload = planar_payload(cloud, compress ? v1alpha1::COMPRESSION_ZSTD : v1alpha1::COMPRESSION_NONE);
+  if (!payload.ok()) return payload.status();
+  return stream_one(*std::move(payload), options, call);
 }
 
 absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::optional<View> view,
                                                 const Options& options, const CallOptions& call) const {
-  const auto request = pcd_request(std::move(file_bytes), view, options, call);
-  if (!request.ok()) return request.status();
-  return call_segment(*request, call, std::nullopt);
+  const auto request = pcd_request(file_bytes, view, options, call);
+  if (!request.ok()) return stream_one(pcd_payload(std::move(file_bytes), view), options, call);
+  auto result = call_segment(*request, call, std::nullopt);
+  if (!is_local_turn(result.status())) return result;
+  return segment_here(Payload(request->cloud()), options, StopToken());
+}
+
+bool Client::is_local_turn(const absl::Status& status) const {
+  return options_.fallback_to_local && absl::IsUnavailable(status);
 }
 
 absl::StatusOr<Result> Client::call_segment(const v1alpha1::SegmentRequest& request, const CallOptions& call,
                                             std::optional<std::size_t> points) const {
-  grpc::ClientContext context;
-  prepare(context, options_, call.timeout);
   v1alpha1::SegmentResponse response;
-  const grpc::Status status = Service::Stub(channel_).Segment(&context, request, &response);
-  if (!status.ok()) return call_status(status, options_.address);
+  const absl::Status status = this->call(call.timeout, [&](const auto& channel, grpc::ClientContext& context) {
+    return Service::Stub(channel).Segment(&context, request, &response);
+  });
+  if (!status.ok()) return status;
   const std::size_t expected = points.value_or(claimed_points(response));
   return check_answer(wire::from_message(response.result(), expected), call.outputs);
 }
 
+absl::StatusOr<Result> Client::stream_one(Payload payload, const Options& options, const CallOptions& call) const {
+  StreamOptions stream_options{.options = options, .outputs = call.outputs};
+  stream_options.max_in_flight = 1;
+  stream_options.wanted_bytes = payload.bytes();
+  stream_options.frame_timeout = call.timeout.value_or(options_.timeout);
+  stream_options.retry = options_.retry;
+  stream_options.wait_for_server = options_.wait_for_server;
+  stream_options.fallback_to_local = options_.fallback_to_local;
+  auto stream = open_stream(std::move(stream_options));
+  if (!stream.ok()) return stream.status();
+  const auto sequence = stream->send(std::move(payload), {.request_id = call.request_id});
+  if (!sequence.ok()) return sequence.status();
+  std::optional<Outcome> outcome = stream->next();
+  if (outcome->kind != OutcomeKind::kResult) return outcome->status;
+  return *std::move(outcome->result);
+}
+
 absl::StatusOr<ServerInfo> Client::server_info(std::optional<std::chrono::milliseconds> timeout) const {
-  grpc::ClientContext context;
-  prepare(context, options_, timeout);
   ServerInfo info;
-  const grpc::Status status = Service::Stub(channel_).GetServerInfo(&context, {}, &info);
-  if (!status.ok()) return call_status(status, options_.address);
+  const absl::Status status = call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
+    return Service::Stub(channel).GetServerInfo(&context, {}, &info);
+  });
+  if (!status.ok()) return status;
   return info;
 }
 
 absl::Status Client::health(std::optional<std::chrono::milliseconds> timeout) const {
-  grpc::ClientContext context;
-  prepare(context, options_, timeout);
   HealthResponse response;
-  const grpc::Status status = Health::Stub(channel_).Check(&context, HealthRequest(), &response);
-  if (!status.ok()) return call_status(status, options_.address);
+  const absl::Status status = call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
+    return Health::Stub(channel).Check(&context, HealthRequest(), &response);
+  });
+  if (!status.ok()) return status;
   if (response.status() == HealthResponse::SERVING) return absl::OkStatus();
   return absl::UnavailableError(
       fmt::format("{} is {}", options_.address, HealthResponse::ServingStatus_Name(response.status())));

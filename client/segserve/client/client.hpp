@@ -2,12 +2,17 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "absl/functional/function_ref.h"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "segserve/client/frame.hpp"
+#include "segserve/client/stream.hpp"
+#include "segserve/client/stream_options.hpp"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/options/options.hpp"
 #include "segserve/v1alpha1/segmentation_service.pb.h"
@@ -17,23 +22,33 @@
 
 namespace grpc {
 class Channel;
-}
+class ClientContext;
+class Status;
+}  // namespace grpc
 
 namespace segserve::client {
 
+class AddressBook;
+class Channels;
+
 struct ClientOptions {
-  /// Where the server listens: host:port, or any other name that gRPC resolves.
+  /// Where the servers listen: host:port, or any other name that gRPC resolves; several are separated by
+  /// commas ("a:50051,b:50051"). A name that stands for many servers ("dns:///segserve:50051") is used in turn.
   std::string address = "127.0.0.1:50051";
-  /// Deadline of a call that does not say its own. The server stops computing when it passes.
+  /// Deadline of a call that does not say its own, all its repetitions included. The server stops computing when
+  /// it passes.
   std::chrono::milliseconds timeout = std::chrono::seconds(30);
-  /// true: a call waits, until its deadline, for a server that is not reachable yet; false: it
-  /// fails at once with UNAVAILABLE.
+  /// When no address is in reach: true, a call waits for one until its deadline; false, it fails with UNAVAILABLE.
   bool wait_for_server = false;
+  /// Calls that fail with UNAVAILABLE or RESOURCE_EXHAUSTED are repeated, best at another address.
+  RetryOptions retry = {};
+  /// segment() computes in this process when no address is in reach.
+  bool fallback_to_local = false;
 };
 
 /// When the planes of a cloud are compressed, without loss, before they are sent.
 enum class Compress {
-  kWhenTooLarge,  ///< only if the request would exceed the limit of a unary call
+  kWhenTooLarge,  ///< only if the request would exceed the limit of a unary call; if it still does, it is streamed
   kAlways,        ///< pays off on links of 100 Mbit/s and below
   kNever,
 };
@@ -47,16 +62,14 @@ struct CallOptions {
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
 };
 
-using Result = wire::Result;
 using ServerInfo = v1alpha1::GetServerInfoResponse;
 
-/// A connection to a server. Copies share it; any number of threads may use it at the same time.
+/// Connections to one or more servers. Copies share them; any number of threads may use them at the same time.
 /// Calls block until they end, at the latest at their deadline.
 ///
 /// Errors have the server's code and a message that names every wrong field or the limit;
 /// wire::details_of(status) gives the details to programs. Beyond the server's own errors there are
-/// UNAVAILABLE (not reachable), DEADLINE_EXCEEDED, and INVALID_ARGUMENT for a request above
-/// wire::kMaxRequestBytes, which is refused here without being sent.
+/// UNAVAILABLE (not reachable) and DEADLINE_EXCEEDED.
 class Client {
  public:
   /// INVALID_ARGUMENT for options that make no sense. Does not wait for the server: health() does.
@@ -65,7 +78,11 @@ class Client {
   /// Uses a channel that the caller made; `options.address` only serves messages.
   Client(std::shared_ptr<grpc::Channel> channel, ClientOptions options);
 
-  /// Segments a cloud, sent as planar raw in its own view.
+  /// A stream of frames, which outlives the client. Does not wait for the server. INVALID_ARGUMENT for options that
+  /// make no sense.
+  absl::StatusOr<Stream> open_stream(StreamOptions options = {}) const;
+
+  /// Segments a cloud, sent as planar raw in its own view; over a stream if it is too large for one message.
   absl::StatusOr<Result> segment(const CloudView& cloud, const Options& options = {},
                                  const CallOptions& call = {}) const;
 
@@ -81,11 +98,20 @@ class Client {
   absl::Status health(std::optional<std::chrono::milliseconds> timeout = std::nullopt) const;
 
  private:
+  explicit Client(std::shared_ptr<Channels> channels, ClientOptions options);
+
+  using Attempt = absl::FunctionRef<grpc::Status(const std::shared_ptr<grpc::Channel>&, grpc::ClientContext&)>;
+  /// Makes the call at one address after the other until one answers, or another try is in vain.
+  absl::Status call(std::optional<std::chrono::milliseconds> timeout, Attempt attempt) const;
+  bool is_worth_another(const absl::Status& status, std::uint32_t tries, const AddressBook& book) const;
+  bool is_local_turn(const absl::Status& status) const;
+
   /// `points` is unset if only the server knows how many there are.
   absl::StatusOr<Result> call_segment(const v1alpha1::SegmentRequest& request, const CallOptions& call,
                                       std::optional<std::size_t> points) const;
+  absl::StatusOr<Result> stream_one(Payload payload, const Options& options, const CallOptions& call) const;
 
-  std::shared_ptr<grpc::Channel> channel_;
+  std::shared_ptr<Channels> channels_;
   ClientOptions options_;
 };
 

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "segserve/client/payload.hpp"
+#include "segserve/options/options.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+#include "segserve/wire/result.hpp"
+
+namespace segserve::client {
+
+/// What a server would answer, computed in this process by the same core. Errors as `segment`.
+absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::string& view_rule, const Options& options,
+                                          const StopToken& stop);
+
+/// The same on what a server would decode.
+absl::StatusOr<wire::Result> segment_here(const Payload& payload, const Options& options, const StopToken& stop);
+
+}  // namespace segserve::client

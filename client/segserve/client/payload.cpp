@@ -1,0 +1,68 @@
+#include "segserve/client/payload.hpp"
+
+#include <string_view>
+#include <utility>
+
+#include "segserve/codec/limits.hpp"
+#include "segserve/wire/byte_run.hpp"
+#include "segserve/wire/cloud.hpp"
+#include "segserve/wire/payload_blocks.hpp"
+
+namespace segserve::client {
+
+Payload::Payload(v1alpha1::Cloud message, std::uint64_t points, std::uint64_t decoded_bytes) {
+  auto data = std::make_shared<Data>();
+  for (std::string* block : wire::payload_blocks(message)) {
+    data->blocks.push_back(std::exchange(*block, {}));
+    data->bytes += data->blocks.back().size();
+    data->crc32 = wire::crc32(data->crc32, data->blocks.back());
+  }
+  data->header = std::move(message);
+  data->points = points;
+  data->decoded_bytes = decoded_bytes;
+  data_ = std::move(data);
+}
+
+v1alpha1::Cloud Payload::message() const {
+  v1alpha1::Cloud message = header();
+  const std::vector<std::string*> empty = wire::payload_blocks(message);
+  for (std::size_t i = 0; i < empty.size(); ++i) *empty[i] = blocks()[i];
+  return message;
+}
+
+absl::StatusOr<Payload> planar_payload(const CloudView& cloud, v1alpha1::Compression compression) {
+  if (absl::Status status = check_shape(cloud); !status.ok()) return status;
+  auto message = wire::to_planar_message(cloud, compression);
+  if (!message.ok()) return message.status();
+  const std::uint64_t point_bytes = 3 * sizeof(float) + (cloud.has_color() ? 3 : 0);
+  return Payload(*std::move(message), cloud.size(), cloud.size() * point_bytes);
+}
+
+Payload pcd_payload(std::string file_bytes, std::optional<View> view) {
+  return Payload(wire::to_pcd_message(std::move(file_bytes), view));
+}
+
+absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload) {
+  auto decoded = wire::decode_cloud(payload.message(), codec::DecodeLimits{});
+  if (!decoded.ok()) return decoded.status();
+  return codec::LabelledCloud{std::move(decoded->cloud), {}, std::move(decoded->view_rule)};
+}
+
+PayloadReader::PayloadReader(Payload payload) : payload_(std::move(payload)) { skip_empty_blocks(); }
+
+std::string_view PayloadReader::next(std::size_t max_bytes) {
+  if (done()) return {};
+  const std::string_view chunk = std::string_view(payload_.blocks()[block_]).substr(offset_, max_bytes);
+  offset_ += chunk.size();
+  skip_empty_blocks();
+  return chunk;
+}
+
+void PayloadReader::skip_empty_blocks() {
+  while (!done() && offset_ == payload_.blocks()[block_].size()) {
+    ++block_;
+    offset_ = 0;
+  }
+}
+
+}  // namespace segserve::client

@@ -1,0 +1,239 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "fmt/format.h"
+#include "grpcpp/security/server_credentials.h"
+#include "grpcpp/server.h"
+#include "grpcpp/server_builder.h"
+#include "segserve/client/local.hpp"
+#include "segserve/client/payload.hpp"
+#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/wire/byte_run.hpp"
+#include "segserve/wire/options.hpp"
+#include "segserve/wire/payload_blocks.hpp"
+#include "segserve/wire/result_blocks.hpp"
+#include "segserve/wire/status.hpp"
+
+namespace segserve::client {
+
+/// A server that speaks stream.proto, one frame after the other, and misbehaves as told.
+class FakeServer final : public v1alpha1::SegmentationService::Service {
+ public:
+  enum Answer {
+    kResult,         ///< what core says
+    kDamagedResult,  ///< with one byte flipped
+    kChecksum,       ///< ABORTED, as if the payload had been damaged
+    kBusy,           ///< RESOURCE_EXHAUSTED with RetryInfo
+    kInvalid,        ///< INVALID_ARGUMENT
+    kDropped,        ///< DROPPED
+    kBreak,          ///< ends the call, CANCELLED, as a server that is killed does
+    kUnknownFrame,   ///< breaks the protocol
+    kNothing,        ///< never says anything about this frame
+  };
+  using Stream = grpc::ServerReaderWriter<v1alpha1::SegmentStreamResponse, v1alpha1::SegmentStreamRequest>;
+
+  FakeServer() { start("127.0.0.1:0"); }
+  FakeServer(const FakeServer&) = delete;
+  FakeServer& operator=(const FakeServer&) = delete;
+  ~FakeServer() override { stop(); }
+
+  const std::string& address() const { return address_; }
+
+  /// Decides about a frame; called by the thread of its stream.
+  std::function<Answer(const v1alpha1::FrameHeader&)> answer = [](const auto&) { return kResult; };
+  /// Called before a frame is answered.
+  std::function<void()> before_answer = [] {};
+  std::atomic<std::uint32_t> credit_frames{4};
+  std::atomic<std::uint64_t> credit_bytes{64U << 20U};
+  std::atomic<bool> refuses_streams{false};  ///< UNIMPLEMENTED
+  std::atomic<bool> drains{false};           ///< says StreamDraining when it answers next, and takes no more frames
+  std::atomic<int> streams{0}, frames{0}, cancels{0}, answered{0};
+
+  /// Neither answers nor takes anything, like a machine whose cable was cut.
+  void go_silent() { silent_ = true; }
+
+  /// Closes at once; streams break.
+  void stop() {
+    {
+      const std::lock_guard lock(mutex_);
+      stopped_ = true;
+      changed_.notify_all();
+    }
+    if (server_) server_->Shutdown(std::chrono::system_clock::now());
+    server_.reset();
+  }
+
+  /// Listens again where it did.
+  void restart() {
+    stopped_ = silent_ = drains = false;
+    start(address_);
+  }
+
+  grpc::Status GetServerInfo(grpc::ServerContext*, const v1alpha1::GetServerInfoRequest*,
+                             v1alpha1::GetServerInfoResponse*) override {
+    wait_while_silent();
+    return grpc::Status::OK;
+  }
+
+  grpc::Status SegmentStream(grpc::ServerContext*, Stream* stream) override {
+    v1alpha1::SegmentStreamRequest request;
+    if (refuses_streams) return {grpc::StatusCode::UNIMPLEMENTED, "no streams here"};
+    wait_while_silent();
+    if (drains) return wire::to_grpc(draining());
+    if (!stream->Read(&request) || !request.has_open()) return {grpc::StatusCode::INVALID_ARGUMENT, "no open"};
+    ++streams;
+    const v1alpha1::StreamOpen open = request.open();
+    open_stream(*stream);
+    bool told = false;
+    v1alpha1::FrameHeader header;
+    wire::IncomingBytes bytes;
+    while (stream->Read(&request)) {
+      wait_while_silent();
+      if (request.has_cancel()) {
+        ++cancels;
+        continue;
+      }
+      if (request.has_frame()) {
+        ++frames;
+        header = request.frame();
+        bytes = wire::IncomingBytes(wire::payload_block_sizes(header.cloud()));
+      } else if (!bytes.add(request.chunk().data())) {
+        return {grpc::StatusCode::INVALID_ARGUMENT, "too many bytes"};
+      }
+      if (bytes.missing() > 0) continue;
+      if (bytes.crc32() != header.crc32()) return {grpc::StatusCode::INVALID_ARGUMENT, "wrong crc"};
+      bytes.move_to(wire::payload_blocks(*header.mutable_cloud()));
+      before_answer();
+      if (told) {
+        fail(*stream, header, draining());
+        continue;
+      }
+      if (drains) {
+        told = true;
+        v1alpha1::SegmentStreamResponse response;
+        response.mutable_draining();
+        stream->Write(response);
+      }
+      if (!answer_frame(*stream, open, header)) return {grpc::StatusCode::CANCELLED, ""};
+    }
+    return grpc::Status::OK;
+  }
+
+ private:
+  void start(const std::string& address) {
+    int port = 0;
+    grpc::ServerBuilder builder;
+    builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
+    builder.RegisterService(this);
+    server_ = builder.BuildAndStart();
+    if (!server_) throw std::runtime_error("the fake server cannot listen on " + address);
+    address_ = fmt::format("127.0.0.1:{}", port);
+  }
+
+  void wait_while_silent() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return !silent_ || stopped_; });
+  }
+
+  static absl::Status draining() {
+    return wire::with_reason(absl::UnavailableError("about to stop"), v1alpha1::ERROR_REASON_DRAINING);
+  }
+
+  void open_stream(Stream& stream) {
+    v1alpha1::SegmentStreamResponse response;
+    response.mutable_opened()->mutable_credit()->set_frames(credit_frames);
+    response.mutable_opened()->mutable_credit()->set_bytes(credit_bytes);
+    response.mutable_opened()->set_max_chunk_bytes(10'000);
+    stream.Write(response);
+  }
+
+  static v1alpha1::FrameOutcome outcome_of(const v1alpha1::FrameHeader& header, v1alpha1::OutcomeKind kind) {
+    v1alpha1::FrameOutcome outcome;
+    outcome.set_sequence(header.sequence());
+    outcome.set_kind(kind);
+    return outcome;
+  }
+
+  static void fail(Stream& stream, const v1alpha1::FrameHeader& header, const absl::Status& status) {
+    v1alpha1::SegmentStreamResponse response;
+    *response.mutable_outcome() = outcome_of(header, v1alpha1::OUTCOME_KIND_FAILED);
+    *response.mutable_outcome()->mutable_status() = wire::to_message(status);
+    stream.Write(response);
+  }
+
+  bool answer_frame(Stream& stream, const v1alpha1::StreamOpen& open, const v1alpha1::FrameHeader& header) {
+    const Answer what = answer(header);
+    v1alpha1::SegmentStreamResponse response;
+    switch (what) {
+      case kNothing:
+        return true;
+      case kBreak:
+        return false;
+      case kChecksum:
+        fail(stream, header, wire::with_reason(absl::AbortedError("crc"), v1alpha1::ERROR_REASON_CHECKSUM));
+        return true;
+      case kBusy:
+        fail(stream, header,
+             wire::with_details(absl::ResourceExhaustedError("busy"), {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL,
+                                                                       .retry_delay = std::chrono::milliseconds(20)}));
+        return true;
+      case kInvalid:
+        fail(stream, header, wire::malformed("no cloud at all"));
+        return true;
+      case kDropped:
+        *response.mutable_outcome() = outcome_of(header, v1alpha1::OUTCOME_KIND_DROPPED);
+        return stream.Write(response);
+      case kUnknownFrame:
+        *response.mutable_outcome() = outcome_of(header, v1alpha1::OUTCOME_KIND_DROPPED);
+        response.mutable_outcome()->set_sequence(header.sequence() + 1000);
+        return stream.Write(response);
+      case kResult:
+      case kDamagedResult:
+        break;
+    }
+    ++answered;  // before the client can know
+    send_result(stream, open, header, what == kDamagedResult);
+    return true;
+  }
+
+  static void send_result(Stream& stream, const v1alpha1::StreamOpen& open, const v1alpha1::FrameHeader& header,
+                          bool damaged) {
+    std::vector<FieldViolation> faults;
+    const Options options =
+        wire::from_message(header.has_options() ? header.options() : open.options(), Options{}, faults);
+    const v1alpha1::Outputs& asked = header.has_outputs() ? header.outputs() : open.outputs();
+    const wire::Outputs outputs{asked.labels(), asked.supervoxels(), asked.tree(), v1alpha1::COMPRESSION_ZSTD};
+    const auto result = segment_here(Payload(header.cloud(), header.points()), options, StopToken());
+    if (!result.ok()) return fail(stream, header, result.status());
+    v1alpha1::SegmentStreamResponse response;
+    v1alpha1::FrameOutcome& outcome = *response.mutable_outcome();
+    outcome = outcome_of(header, v1alpha1::OUTCOME_KIND_RESULT);
+    *outcome.mutable_result() = wire::to_message(*result, outputs).value();
+    wire::OutgoingBytes bytes(wire::result_blocks(*outcome.mutable_result()));
+    outcome.set_encoded_bytes(bytes.size());
+    outcome.set_crc32(bytes.crc32() ^ (damaged ? 1U : 0U));
+    stream.Write(response);
+    while (!bytes.done()) {
+      response.mutable_chunk()->set_sequence(header.sequence());
+      response.mutable_chunk()->set_data(std::string(bytes.next(1000)));
+      stream.Write(response);
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool stopped_ = false;
+  std::atomic<bool> silent_{false};
+  std::string address_;
+  std::unique_ptr<grpc::Server> server_;
+};
+
+}  // namespace segserve::client
