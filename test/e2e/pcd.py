@@ -20,14 +20,28 @@ def binary_file(points):
     return header(len(points), data="binary") + b"".join(struct.pack("<3f", *point) for point in points)
 
 
-def read_labels(path):
-    """The field `label`, the last one, of a binary PCD file of 4-byte fields."""
+def read_binary(path):
+    """The names of the fields, and the bytes of the points, of a binary PCD file of 4-byte fields."""
     content = path.read_bytes()
     start = content.index(b"DATA binary\n")
     lines = dict(line.split(" ", 1) for line in content[:start].decode().splitlines() if " " in line)
     fields = lines["FIELDS"].split()
-    assert fields[-1] == "label" and set(lines["SIZE"].split()) == {"4"}, lines
+    assert set(lines["SIZE"].split()) == {"4"}, lines
     body = content[start + len(b"DATA binary\n"):]
-    labels = [row[-1] for row in struct.iter_unpack(f"<{len(fields)}I", body)]
-    assert len(labels) == int(lines["POINTS"])
-    return labels
+    assert len(body) == 4 * len(fields) * int(lines["POINTS"])
+    return fields, body
+
+
+def read_labels(path):
+    """The field `label`, the last one."""
+    fields, body = read_binary(path)
+    assert fields[-1] == "label", fields
+    return [row[-1] for row in struct.iter_unpack(f"<{len(fields)}I", body)]
+
+
+def read_points(path):
+    """The columns x, y, z and the packed colours."""
+    fields, body = read_binary(path)
+    assert fields[:4] == ["x", "y", "z", "rgb"], fields
+    rows = list(struct.iter_unpack("<3fI" + "I" * (len(fields) - 4), body))
+    return [[row[i] for row in rows] for i in range(4)]

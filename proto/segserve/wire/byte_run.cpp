@@ -7,6 +7,12 @@
 #include "libdeflate.h"
 
 namespace segserve::wire {
+namespace {
+
+// Reserved memory costs nothing until it is written; growing by doubling would copy most bytes once more.
+constexpr std::uint64_t kMostReservedAtOnce = std::uint64_t{64} << 20U;
+
+}  // namespace
 
 // libdeflate's is several times faster than zlib's, and at 5 MB a frame that counts.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes) {
@@ -53,6 +59,7 @@ bool IncomingBytes::add(std::string_view chunk) {
   crc32_ = wire::crc32(crc32_, chunk);
   while (!chunk.empty()) {
     std::string& block = blocks_[block_];
+    if (block.empty()) block.reserve(std::min(sizes_[block_], kMostReservedAtOnce));
     const std::uint64_t room = sizes_[block_] - block.size();
     const std::string_view part = chunk.substr(0, room);
     block.append(part);

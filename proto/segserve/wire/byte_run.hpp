@@ -43,7 +43,7 @@ class OutgoingBytes {
   std::size_t block_ = 0, offset_ = 0;  // of the next byte
 };
 
-/// Blocks on their way in. Memory grows with the bytes that have come, not with those that were promised.
+/// Blocks on their way in. Memory in use grows with the bytes that have come, not with those that were promised.
 class IncomingBytes {
  public:
   IncomingBytes() = default;

@@ -63,6 +63,12 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_option("--queue-points", server.queue_points, "Most points of all clouds that wait or are computed")
       ->capture_default_str();
+  app.add_option("--stream-frames", server.stream_frames, "Most frames that one stream may have on their way")
+      ->capture_default_str();
+  app.add_option("--stream-bytes", server.stream_bytes, "Most bytes of payload that one stream may have on their way")
+      ->capture_default_str();
+  app.add_option("--all-streams-bytes", server.all_streams_bytes, "The same of all streams together")
+      ->capture_default_str();
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
       ->capture_default_str();

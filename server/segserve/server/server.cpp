@@ -112,6 +112,9 @@ std::vector<FieldViolation> violations(const ServerOptions& options) {
                              std::max(options.max_decoded_bytes, wire::kMaxRequestBytes), std::uint64_t{1} << 50U,
                              faults);
   check_range<std::uint64_t>("queue-points", options.queue_points, options.max_points, std::uint64_t{1} << 50U, faults);
+  check_range<std::uint32_t>("stream-frames", options.stream_frames, 1, 1024, faults);
+  check_range<std::uint64_t>("stream-bytes", options.stream_bytes, 1, std::uint64_t{1} << 40U, faults);
+  check_range<std::uint64_t>("all-streams-bytes", options.all_streams_bytes, 1, std::uint64_t{1} << 50U, faults);
   check_range<std::uint64_t>("max-points", options.max_points, 1, 1'000'000'000, faults);
   check_range<std::uint64_t>("max-decoded-bytes", options.max_decoded_bytes, 1, std::uint64_t{1} << 40U, faults);
   check_range<std::int64_t>("grace-period", options.grace_period.count(), 0, 86'400'000, faults);

@@ -27,10 +27,17 @@ struct ServerOptions {
   /// Points of clouds, waiting or computed, over all clients.
   std::uint64_t queue_points = 50'000'000;
 
+  /// Credit of one stream: frames and bytes of payload that it may have on their way. A cloud of more bytes cannot be
+  /// sent.
+  std::uint32_t stream_frames = 8;
+  std::uint64_t stream_bytes = std::uint64_t{512} << 20U;
+  /// Bytes of credit of all streams together; a stream gets 32 MiB unless it asks for more.
+  std::uint64_t all_streams_bytes = std::uint64_t{2} << 30U;
+
   /// Points of one cloud.
-  std::uint64_t max_points = 2'000'000;
+  std::uint64_t max_points = 16'000'000;
   /// Bytes of one cloud after decompression.
-  std::uint64_t max_decoded_bytes = std::uint64_t{64} << 20U;
+  std::uint64_t max_decoded_bytes = std::uint64_t{512} << 20U;
 
   /// Time for the calls in flight when the server stops; then they are cancelled.
   std::chrono::milliseconds grace_period{20'000};

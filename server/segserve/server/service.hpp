@@ -1,6 +1,8 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -8,15 +10,19 @@
 #include "segserve/server/call_gate.hpp"
 #include "segserve/server/segmenter_interface.hpp"
 #include "segserve/server/server_options.hpp"
+#include "segserve/server/stream/credit_budget.hpp"
+#include "segserve/server/stream/session_registry.hpp"
+#include "segserve/server/stream/stream_session.hpp"
 #include "segserve/server/worker_pool.hpp"
 #include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
 
 namespace segserve::server {
 
-/// Segment as bytes and GetServerInfo as messages. gRPC answers a request that it cannot parse with a bare
+/// Segment as bytes, the others as messages. gRPC answers a request that it cannot parse with a bare
 /// UNIMPLEMENTED; parsed by us, it gets the INVALID_ARGUMENT that the API promises.
 using RawSegmentationService = v1alpha1::SegmentationService::WithRawCallbackMethod_Segment<
-    v1alpha1::SegmentationService::WithCallbackMethod_GetServerInfo<v1alpha1::SegmentationService::Service>>;
+    v1alpha1::SegmentationService::WithCallbackMethod_SegmentStream<
+        v1alpha1::SegmentationService::WithCallbackMethod_GetServerInfo<v1alpha1::SegmentationService::Service>>>;
 
 /// The RPCs of segserve.v1alpha1. Handlers never block: they check the request and hand it to the worker pool.
 class SegmentationService final : public RawSegmentationService {
@@ -26,18 +32,20 @@ class SegmentationService final : public RawSegmentationService {
 
   grpc::ServerUnaryReactor* Segment(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
                                     grpc::ByteBuffer* response) override;
+  grpc::ServerBidiReactor<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse>* SegmentStream(
+      grpc::CallbackServerContext* context) override;
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
                                           const v1alpha1::GetServerInfoRequest* request,
                                           v1alpha1::GetServerInfoResponse* response) override;
 
-  /// Refuses new calls of Segment from now on: UNAVAILABLE, DRAINING.
-  void start_draining() { gate_.close(); }
+  /// Refuses new calls of Segment and SegmentStream, and new frames, from now on: UNAVAILABLE, DRAINING.
+  void start_draining();
   /// Waits for the calls in flight; false if some are left at the deadline.
   bool wait_until_idle_or(std::chrono::steady_clock::time_point deadline) {
     return gate_.wait_until_empty_or(deadline);
   }
   void wait_until_idle() { gate_.wait_until_empty(); }
-  /// Calls in flight, waiting or computed.
+  /// Calls in flight: waiting, computed, or open streams.
   std::size_t calls() const { return gate_.inside(); }
 
  private:
@@ -47,9 +55,13 @@ class SegmentationService final : public RawSegmentationService {
   const std::uint32_t max_threads_;
   const codec::DecodeLimits limits_;
   const v1alpha1::GetServerInfoResponse info_;
+  const StreamSettings stream_settings_;
   CallGate gate_;
+  CreditBudget credit_;
+  std::atomic<std::uint64_t> streams_so_far_{0};
   std::vector<std::unique_ptr<SegmenterInterface>> segmenters_;  // one per worker
-  WorkerPool pool_;  // the last member: it ends first, and with it whatever uses the others
+  WorkerPool pool_;
+  SessionRegistry sessions_;  // ends first, then the pool, and with them whatever uses the others
 };
 
 }  // namespace segserve::server

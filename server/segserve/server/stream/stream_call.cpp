@@ -4,9 +4,9 @@
 
 namespace segserve::server {
 
-void StreamCall::start(const StreamSettings& settings, FrameExecutor& executor, CreditBudget& budget) {
+void StreamCall::start(const StreamSettings& settings, CreditBudget& budget) {
   self_ = shared_from_this();
-  session_ = std::make_shared<StreamSession>(settings, executor, budget, [weak = weak_from_this()] {
+  session_ = std::make_shared<StreamSession>(settings, *executor_, budget, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->advance();
   });
   registry_.add(session_);

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include "grpcpp/server_context.h"
 #include "grpcpp/support/server_callback.h"
@@ -19,10 +20,11 @@ class StreamCall final
       public std::enable_shared_from_this<StreamCall> {
  public:
   /// `gate` was entered for this call, which leaves it last of all.
-  StreamCall(CallGate& gate, SessionRegistry& registry) : gate_(gate), registry_(registry) {}
+  StreamCall(CallGate& gate, SessionRegistry& registry, std::unique_ptr<FrameExecutor> executor)
+      : gate_(gate), registry_(registry), executor_(std::move(executor)) {}
 
-  /// Makes the session of `settings` and the others, and begins to read.
-  void start(const StreamSettings& settings, FrameExecutor& executor, CreditBudget& budget);
+  /// Makes the session and begins to read.
+  void start(const StreamSettings& settings, CreditBudget& budget);
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -36,6 +38,7 @@ class StreamCall final
 
   CallGate& gate_;
   SessionRegistry& registry_;
+  const std::unique_ptr<FrameExecutor> executor_;
   std::shared_ptr<StreamSession> session_;
   std::shared_ptr<StreamCall> self_;
   v1alpha1::SegmentStreamRequest request_;    // gRPC's while a read is on its way

@@ -6,6 +6,7 @@
 
 #include "absl/strings/escaping.h"
 #include "fmt/format.h"
+#include "segserve/server/draining.hpp"
 #include "segserve/server/frame.hpp"
 #include "segserve/server/no_throw.hpp"
 #include "segserve/wire/status.hpp"
@@ -16,16 +17,11 @@ namespace {
 
 using State = StreamFrame::State;
 
-constexpr std::chrono::milliseconds kRetryOpen{1000}, kRetryElsewhere{100};
+constexpr std::chrono::milliseconds kRetryOpen{1000};
 
 absl::Status violation(std::string_view what) {
   return wire::with_reason(absl::InvalidArgumentError(fmt::format("protocol of the stream: {}", what)),
                            v1alpha1::ERROR_REASON_PROTOCOL_VIOLATION);
-}
-
-absl::Status draining() {
-  return wire::with_details(absl::UnavailableError("the server is about to stop; try again with another replica"),
-                            {.reason = v1alpha1::ERROR_REASON_DRAINING, .retry_delay = kRetryElsewhere});
 }
 
 absl::Status no_credit_left() {

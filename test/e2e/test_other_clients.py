@@ -1,0 +1,85 @@
+"""Clients in other languages, made from the .proto files alone, get the same labels as segctl."""
+import os
+import pathlib
+import shutil
+import struct
+import subprocess
+import unittest
+
+from harness import EndToEnd
+import pcd
+
+HERE = pathlib.Path(__file__).resolve().parent
+PROTO = HERE.parent.parent / "proto"
+GRPC_JS = {"@grpc/grpc-js": "1.14.0", "@grpc/proto-loader": "0.8.0"}
+
+
+def run(*command, **options):
+    done = subprocess.run(list(map(str, command)), capture_output=True, timeout=280, **options)
+    if done.returncode != 0:
+        raise AssertionError(f"{command}: {done.stdout.decode()} {done.stderr.decode()}")
+
+
+def grpc_js():
+    """The folder with grpc-js, from npm, once, in the cache folder, where test/lint keeps buf, too."""
+    cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "segserve"
+    folder = cache / "-".join(["grpc-js", *GRPC_JS.values()])
+    if not (folder / "node_modules" / "@grpc" / "proto-loader").exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        run("npm", "install", "--prefix", folder, "--no-audit", "--no-fund", "--no-package-lock", "--loglevel=error",
+            *(f"{name}@{version}" for name, version in GRPC_JS.items()))
+    return folder / "node_modules"
+
+
+class OtherClients(EndToEnd):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.expected = {}
+        for seed, shape in enumerate([(160, 120), (200, 90), (64, 48)], start=1):
+            scene = cls.folder / f"scene-{seed}.pcd"
+            cls().run_well("synth", "-o", scene, "--quiet", "--seed", seed, "--width", shape[0], "--height", shape[1])
+            labels = cls.folder / f"labelled-{seed}.pcd"
+            cls().run_well("segment", scene, "--local", "-q", "-o", labels)
+            cls.expected[cls.write_planes(scene, seed, shape)] = pcd.read_labels(labels)
+
+    @classmethod
+    def write_planes(cls, scene, seed, shape):
+        """The scene as the clients want it."""
+        folder = cls.folder / f"planes-{seed}"
+        folder.mkdir()
+        x, y, z, color = pcd.read_points(scene)
+        for name, values in (("x.f32", x), ("y.f32", y), ("z.f32", z)):
+            (folder / name).write_bytes(struct.pack(f"<{len(values)}f", *values))
+        (folder / "rgb.u8").write_bytes(b"".join(value.to_bytes(4, "big")[1:] for value in color))
+        (folder / "shape").write_text("{} {}".format(*shape))
+        return folder
+
+    def runTest(self):
+        """Only so that setUpClass can use our methods."""
+
+    def check_labels(self):
+        for folder, expected in self.expected.items():
+            content = (folder / "labels.u32").read_bytes()
+            self.assertEqual(list(struct.unpack(f"<{len(content) // 4}I", content)), expected, folder.name)
+            (folder / "labels.u32").unlink()
+
+    def folders(self):
+        """Each cloud several times, so that the credit is used up."""
+        return [str(folder) for folder in self.expected] * 5
+
+    def test_python(self):
+        generated = self.folder / "generated"
+        generated.mkdir()
+        run("protoc", f"--proto_path={PROTO}", f"--python_out={generated}",
+            *sorted(path.relative_to(PROTO) for path in PROTO.glob("*/*/*.proto") if path.parts[-3] != "google"),
+            *sorted(path.relative_to(PROTO) for path in PROTO.glob("google/rpc/*.proto")))
+        # Debian's Python, whose grpc this is; the one that runs us may be another.
+        run("/usr/bin/python3", HERE / "clients" / "stream_client.py", generated, self.server.address, *self.folders())
+        self.check_labels()
+
+    @unittest.skipUnless(shutil.which("npm"), "there is no npm")
+    def test_javascript(self):
+        run("node", HERE / "clients" / "stream_client.js", PROTO, self.server.address, *self.folders(),
+            env=os.environ | {"NODE_PATH": str(grpc_js())})
+        self.check_labels()

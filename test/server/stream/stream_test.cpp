@@ -1,0 +1,247 @@
+// SegmentStream through the loopback, asked by a plain stub.
+#include <map>
+#include <thread>
+
+#include "gmock/gmock.h"
+#include "segserve/wire/result.hpp"
+#include "test/server/running_server.hpp"
+#include "test/server/stream/session_harness.hpp"
+
+namespace segserve::server {
+namespace {
+
+using namespace std::chrono_literals;
+using v1alpha1::FrameOutcome;
+
+/// A stream by the synchronous API.
+class StubStream {
+ public:
+  explicit StubStream(RunningServer& server) : stream_(server.stub().SegmentStream(&context_)) {}
+
+  bool open(const v1alpha1::StreamOpen& open = {}) {
+    v1alpha1::SegmentStreamRequest message;
+    *message.mutable_open() = open;
+    v1alpha1::SegmentStreamResponse answer;
+    return stream_->Write(message) && stream_->Read(&answer) && answer.has_opened();
+  }
+  bool send(SentFrame frame, std::size_t chunk_bytes = wire::kMaxChunkBytes) {
+    const std::uint64_t sequence = frame.header.sequence();
+    v1alpha1::SegmentStreamRequest message;
+    *message.mutable_frame() = std::move(frame.header);
+    bool ok = stream_->Write(message);
+    while (ok && !frame.bytes.done()) {
+      const std::string_view bytes = frame.bytes.next(chunk_bytes);
+      message.mutable_chunk()->set_sequence(sequence);
+      message.mutable_chunk()->set_data(bytes.data(), bytes.size());
+      ok = stream_->Write(message);
+    }
+    return ok;
+  }
+  void cancel(std::uint64_t sequence) {
+    v1alpha1::SegmentStreamRequest message;
+    message.mutable_cancel()->set_sequence(sequence);
+    stream_->Write(message);
+  }
+
+  /// The next outcome with the bytes of its result; nullopt at the end of the stream.
+  std::optional<FrameOutcome> next() {
+    v1alpha1::SegmentStreamResponse message;
+    do {
+      if (!stream_->Read(&message)) return std::nullopt;
+    } while (message.has_draining());
+    FrameOutcome outcome = std::move(*message.mutable_outcome());
+    wire::IncomingBytes bytes(wire::result_block_sizes(outcome.result()));
+    while (bytes.missing() > 0 && stream_->Read(&message)) {
+      EXPECT_EQ(message.chunk().sequence(), outcome.sequence());
+      EXPECT_LE(message.chunk().data().size(), wire::kMaxChunkBytes);
+      EXPECT_TRUE(bytes.add(message.chunk().data()));
+    }
+    if (bytes.missing() > 0) return std::nullopt;
+    EXPECT_EQ(bytes.crc32(), outcome.crc32());
+    bytes.move_to(wire::result_blocks(*outcome.mutable_result()));
+    return outcome;
+  }
+
+  absl::Status finish() {
+    stream_->WritesDone();
+    while (next()) {
+    }
+    return wire::from_grpc(stream_->Finish());
+  }
+  void abort() { context_.TryCancel(); }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse>> stream_;
+};
+
+std::vector<std::uint32_t> labels_of(const FrameOutcome& outcome, std::size_t points) {
+  return wire::from_message(outcome.result(), points).value().segmentation.labels;
+}
+
+TEST(Stream, FramesGetTheLabelsOfALocalRun) {
+  RunningServer server;
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  for (std::uint32_t width = 40; width < 200; width += 40) {
+    const Cloud cloud = wall_with_box(width, 90);
+    ASSERT_TRUE(stream.send(SentFrame(width, cloud), 1000 + width));
+    const auto outcome = stream.next();
+    ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
+    EXPECT_EQ(labels_of(*outcome, cloud.size()), Segmenter().segment(cloud, Options()).value().labels);
+  }
+  EXPECT_EQ(stream.finish(), absl::OkStatus());
+  EXPECT_TRUE(eventually([&] { return server.server().calls() == 0; }));
+}
+
+TEST(Stream, CarriesCloudsBeyondTheUnaryLimitInBothDirections) {
+  RunningServer server(small_server(), fake_factory([](const CloudView& cloud, const Options&, const StopToken&) {
+                         Segmentation result;
+                         result.supervoxels.assign(cloud.size(), 1);
+                         for (std::size_t i = 0; i < cloud.size(); ++i) result.labels.push_back(1 + i % 70'000);
+                         return absl::StatusOr<Segmentation>(result);
+                       }));
+  constexpr std::uint32_t kPoints = 1'500'000;  // 22 MB there, 6 MB back
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
+  const auto outcome = stream.next();
+  ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
+  EXPECT_EQ(outcome->encoded_bytes(), 4U * kPoints);
+  EXPECT_EQ(stream.finish(), absl::OkStatus());
+}
+
+TEST(Stream, ManyStreamsAtOnceGetTheirOwnResults) {
+  ServerOptions options = small_server();
+  options.workers = 2;
+  RunningServer server(options);
+  const auto robot = [&server](std::uint32_t width) {
+    const Cloud cloud = wall_with_box(width, 60);
+    const auto expected = Segmenter().segment(cloud, Options()).value().labels;
+    StubStream stream(server);
+    ASSERT_TRUE(stream.open());
+    for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
+      ASSERT_TRUE(stream.send(SentFrame(sequence, cloud)));
+      if (sequence < 3) continue;  // so that three are on their way
+      const auto outcome = stream.next();
+      ASSERT_TRUE(outcome);
+      EXPECT_EQ(outcome->sequence(), sequence - 2);
+      EXPECT_EQ(labels_of(*outcome, cloud.size()), expected);
+    }
+    EXPECT_EQ(stream.finish(), absl::OkStatus());
+  };
+  std::vector<std::thread> robots;
+  for (std::uint32_t i = 0; i < 8; ++i) robots.emplace_back(robot, 40 + 10 * i);
+  for (std::thread& thread : robots) thread.join();
+}
+
+TEST(Stream, AProtocolViolationEndsItAndTheServerGoesOn) {
+  RunningServer server;
+  StubStream stream(server);
+  stream.send(SentFrame(1));  // the server may end it before all of it is written
+  const absl::Status status = stream.finish();
+  EXPECT_EQ(wire::details_of(status).reason, v1alpha1::ERROR_REASON_PROTOCOL_VIOLATION) << status;
+  StubStream other(server);
+  EXPECT_TRUE(other.open());
+  EXPECT_EQ(other.finish(), absl::OkStatus());
+}
+
+TEST(Stream, ACancelledFrameStopsItsComputation) {
+  Blockade blockade;
+  RunningServer server(small_server(), blocking_factory(blockade));
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  ASSERT_TRUE(stream.send(SentFrame(1)));
+  ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
+  stream.cancel(1);
+  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  EXPECT_EQ(blockade.stopped(), 1);
+  blockade.release();
+  ASSERT_TRUE(stream.send(SentFrame(2)));
+  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_RESULT);
+}
+
+TEST(Stream, AClientThatVanishesFreesItsWorkerAndItsCredit) {
+  Blockade blockade;
+  ServerOptions options = small_server();
+  options.stream_bytes = options.all_streams_bytes = 1 << 20;
+  RunningServer server(options, blocking_factory(blockade));
+  {
+    StubStream stream(server);
+    ASSERT_TRUE(stream.open());
+    ASSERT_TRUE(stream.send(SentFrame(1)));
+    ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
+    StubStream second(server);
+    EXPECT_FALSE(second.open());
+    EXPECT_EQ(second.finish().code(), absl::StatusCode::kResourceExhausted);
+    stream.abort();
+    EXPECT_TRUE(absl::IsCancelled(stream.finish()));
+  }
+  EXPECT_TRUE(eventually([&] { return server.server().calls() == 0; }));
+  EXPECT_EQ(blockade.stopped(), 1);
+  StubStream third(server);
+  EXPECT_TRUE(third.open());
+}
+
+TEST(Stream, ExpiredWhileItWaits) {
+  Blockade blockade;
+  RunningServer server(small_server(), blocking_factory(blockade));
+  StubStream stream(server);
+  v1alpha1::StreamOpen unordered;
+  unordered.set_order(v1alpha1::RESULT_ORDER_UNORDERED);
+  ASSERT_TRUE(stream.open(unordered));
+  ASSERT_TRUE(stream.send(SentFrame(1)));
+  SentFrame old(2);
+  old.header.mutable_time_to_live()->set_seconds(5);
+  old.header.mutable_age()->set_seconds(5);
+  ASSERT_TRUE(stream.send(old));
+  const auto outcome = stream.next();
+  EXPECT_EQ(outcome->sequence(), 2U);
+  EXPECT_EQ(outcome->kind(), v1alpha1::OUTCOME_KIND_EXPIRED);
+  blockade.release();
+  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_RESULT);
+}
+
+TEST(Stream, DrainingFinishesTheFramesInFlight) {
+  Blockade blockade;
+  RunningServer server(small_server(), blocking_factory(blockade));
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  ASSERT_TRUE(stream.send(SentFrame(1)));
+  ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
+  auto stopped = std::async(std::launch::async, [&] { return server.server().stop(); });
+  ASSERT_TRUE(eventually([&] { return server.health() != grpc::health::v1::HealthCheckResponse::SERVING; }));
+  blockade.release();
+  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  const absl::Status ended = stream.finish();
+  EXPECT_TRUE(ended.ok() || absl::IsUnavailable(ended)) << ended;
+  EXPECT_TRUE(stopped.get()) << "nothing had to be cancelled";
+}
+
+TEST(Stream, AnIdleStreamDoesNotHoldADrainingServer) {
+  RunningServer server;
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  EXPECT_TRUE(server.server().stop());
+  EXPECT_EQ(stream.finish().code(), absl::StatusCode::kUnavailable);
+}
+
+TEST(Stream, AClientThatDoesNotReadEndsWithTheGracePeriod) {
+  ServerOptions options = small_server();
+  options.grace_period = 300ms;
+  RunningServer server(options, fake_factory([](const CloudView& cloud, const Options&, const StopToken&) {
+                         Segmentation result;
+                         result.labels.assign(cloud.size(), 70'000);
+                         return absl::StatusOr<Segmentation>(result);
+                       }));
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) {  // 16 MB back, beyond any window of HTTP/2
+    ASSERT_TRUE(stream.send(SentFrame(sequence, equal_points(1'000'000, 0, 0, 1))));
+  }
+  EXPECT_FALSE(server.server().stop());
+  EXPECT_FALSE(stream.finish().ok());
+}
+
+}  // namespace
+}  // namespace segserve::server
