@@ -269,6 +269,16 @@ TEST_F(StreamTest, AServerWithoutStreamsIsAnErrorOfEveryFrame) {
   EXPECT_FALSE(stream->next().has_value());
 }
 
+TEST_F(StreamTest, ACloudTooLargeForACallNeedsAServerWithStreams) {
+  const Cloud large = incompressible_cloud(1'000'000);
+  a_.answer = [](const auto&) { return FakeServer::kInvalid; };
+  EXPECT_THAT(std::string(client_of_a().segment(large).status().message()), HasSubstr("no cloud at all"));
+  EXPECT_EQ(a_.frames, 1);
+  a_.refuses_streams = true;
+  const auto refused = client_of_a().segment(large);
+  EXPECT_EQ(wire::details_of(refused.status()).reason, v1alpha1::ERROR_REASON_LIMIT_EXCEEDED) << refused.status();
+}
+
 TEST_F(StreamTest, AFrameBeyondTheCreditFailsAndSaysWhy) {
   a_.credit_bytes = 1000;
   auto stream = client_of_a().open_stream(options());

@@ -32,6 +32,12 @@ bool is_too_large(const absl::Status& status) {
   return wire::details_of(status).reason == v1alpha1::ERROR_REASON_LIMIT_EXCEEDED;
 }
 
+/// What came of a stream; a server without streams has the limits of a unary call only.
+absl::StatusOr<Result> or_else(absl::StatusOr<Result> streamed, const absl::Status& too_large) {
+  if (absl::IsUnimplemented(streamed.status())) return too_large;
+  return streamed;
+}
+
 /// For a PCD file the server has counted the points.
 std::size_t claimed_points(const v1alpha1::SegmentResponse& response) { return response.result().summary().points(); }
 
@@ -95,13 +101,15 @@ absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& op
   const bool compress = call.compress != Compress::kNever;
   auto payload = planar_payload(cloud, compress ? v1alpha1::COMPRESSION_ZSTD : v1alpha1::COMPRESSION_NONE);
   if (!payload.ok()) return payload.status();
-  return stream_one(*std::move(payload), options, call);
+  return or_else(stream_one(*std::move(payload), options, call), request.status());
 }
 
 absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::optional<View> view,
                                                 const Options& options, const CallOptions& call) const {
   const auto request = pcd_request(file_bytes, view, options, call);
-  if (!request.ok()) return stream_one(pcd_payload(std::move(file_bytes), view), options, call);
+  if (!request.ok()) {
+    return or_else(stream_one(pcd_payload(std::move(file_bytes), view), options, call), request.status());
+  }
   auto result = call_segment(*request, call, std::nullopt);
   if (!is_local_turn(result.status())) return result;
   return segment_here(Payload(request->cloud()), options, StopToken());
