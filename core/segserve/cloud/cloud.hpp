@@ -19,8 +19,8 @@ enum class ViewKind : std::uint8_t {
   /// Voxels are cubes of (x/z, y/z, ln z), so that they grow with the distance as pixels do.
   kCamera,
   /// Any other frame: cubic voxels in metres. With a sensor position, normals are turned towards
-  /// it; without one, they are made consistent over each connected component and turned upwards
-  /// (+z) on the whole.
+  /// it (by the border method only those that it can have seen: orient_hidden); without one, they are made
+  /// consistent over each connected component and turned upwards (+z) on the whole.
   kWorld,
 };
 

@@ -8,7 +8,7 @@ namespace segserve {
 
 /// What the border between two supervoxels is like.
 struct Border {
-  double voxel_pairs = 0;  ///< 26-adjacent pairs of voxels across it, at least 1
+  double voxel_pairs = 0;  ///< pairs of neighbouring voxels across it, at least 1
   double concavity = 0;    ///< mean over the pairs of the angle by which they are concave beyond the dead zone, degrees
 };
 

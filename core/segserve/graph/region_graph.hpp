@@ -38,7 +38,7 @@ struct RegionGraph {
   std::vector<RegionEdge> edges;
 };
 
-/// Supervoxels are adjacent if a voxel of one is among the 26 neighbours of a voxel of the other.
+/// Supervoxels are adjacent if a voxel of one is a neighbour of a voxel of the other.
 RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
                                const Supervoxels& supervoxels, const View& view, double voxel_resolution);
 

@@ -13,7 +13,9 @@
 #include "segserve/supervoxel/seeds.hpp"
 #include "segserve/voxel/adjacency.hpp"
 #include "segserve/voxel/edge_aware_normals.hpp"
+#include "segserve/voxel/islands.hpp"
 #include "segserve/voxel/normals.hpp"
+#include "segserve/voxel/orientation.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
 namespace segserve {
@@ -36,6 +38,19 @@ class Stopwatch {
 double settled_threshold(const Options& options) {
   const double standard = default_threshold(options.method);
   return options.min_segment_points > 0 ? options.threshold.value_or(standard) : standard;
+}
+
+/// The border method's neighbours and normals: surfaces hang together where they are sparser than the voxels, and
+/// normals have the right side where the sensor cannot have seen them.
+absl::Status border_normals(const VoxelGrid& grid, const View& view, const SupervoxelOptions& settings,
+                            unsigned threads, const StopToken& stop, VoxelAdjacency& adjacency,
+                            std::vector<Vec3>& normals) {
+  const double voxel = settings.voxel_resolution;
+  absl::Status status = bridge_islands(grid, view, voxel, {}, stop, adjacency);
+  if (status.ok()) status = compute_normals(grid, adjacency, view, threads, stop, normals);
+  if (status.ok() && view.sensor) status = orient_hidden(grid, adjacency, view, voxel, stop, normals);
+  if (status.ok()) status = refine_normals(grid, adjacency, view, voxel, {}, threads, stop, normals);
+  return status;
 }
 
 /// The dendrogram by the paper's metric delta (eq. 3). `lambda`: what Adaptive Lambda found.
@@ -115,10 +130,9 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
 
   // .. and a normal, from the plane through its neighbourhood; ours does not reach across edges.
   find_adjacency(grid, adjacency);
-  status = compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals);
-  if (status.ok() && options.method == Method::kBorder) {
-    status = refine_normals(grid, adjacency, cloud.view, settings.voxel_resolution, {}, options.threads, stop, normals);
-  }
+  status = options.method == Method::kBorder
+               ? border_normals(grid, cloud.view, settings, options.threads, stop, adjacency, normals)
+               : compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals);
   if (!status.ok()) return status;
   timings.normals = watch.lap();
 

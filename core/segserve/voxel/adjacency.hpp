@@ -8,8 +8,8 @@
 
 namespace segserve {
 
-/// The 26-neighbourhood of every voxel as compressed sparse rows: the neighbours of v, ascending and
-/// without v itself, are neighbor[offset[v] .. offset[v + 1]).
+/// The neighbours of every voxel as compressed sparse rows: those of v, ascending and without v itself, are
+/// neighbor[offset[v] .. offset[v + 1]).
 struct VoxelAdjacency {
   std::vector<std::uint32_t> offset;  ///< V + 1
   std::vector<std::uint32_t> neighbor;
@@ -19,7 +19,8 @@ struct VoxelAdjacency {
   }
 };
 
-/// O(V), without hashing: one pointer for each of the nine rows (dy, dz) moves over the sorted keys.
+/// The 26-neighbourhood. O(V), without hashing: one pointer for each of the nine rows (dy, dz) moves over the sorted
+/// keys.
 void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency);
 
 }  // namespace segserve

@@ -1,7 +1,6 @@
 #include "segserve/voxel/edge_aware_normals.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "segserve/math/elementary.hpp"
 #include "segserve/math/symmetric3.hpp"
@@ -74,6 +73,7 @@ class Refit {
   void weigh(std::uint32_t v, const std::vector<std::uint32_t>& neighbors, double voxel) {
     const double sigma = options_.offset * voxel;
     const double offset_scale = 1 / (2 * sigma * sigma);
+    if (offset_.size() < neighbors.size()) offset_.resize(neighbors.size()), weight_.resize(neighbors.size());
     for (std::size_t i = 0; i < neighbors.size(); ++i) {
       const std::uint32_t u = neighbors[i];
       const Vec3 d = grid_.centroid[u] - grid_.centroid[v];
@@ -87,14 +87,12 @@ class Refit {
     for (std::size_t i = 0; i < neighbors.size(); ++i) weight_[i] = math::exp(weight_[i]);
   }
 
-  static constexpr std::size_t kMostNeighbors = 5 * 5 * 5 - 1;
-
   const VoxelGrid& grid_;
   const std::vector<Vec3>& first_;
   const EdgeAwareOptions& options_;
   double angle_scale_;
-  std::array<Vec3, kMostNeighbors> offset_;
-  std::array<float, kMostNeighbors> weight_;
+  std::vector<Vec3> offset_;
+  std::vector<float> weight_;
 };
 
 }  // namespace

@@ -1,11 +1,8 @@
 #include "segserve/voxel/normals.hpp"
 
-#include <cmath>
-#include <queue>
-#include <tuple>
-
 #include "segserve/math/symmetric3.hpp"
 #include "segserve/pipeline/parallel.hpp"
+#include "segserve/voxel/orientation.hpp"
 
 namespace segserve {
 namespace {
@@ -80,57 +77,6 @@ class TwoRingMoments {
   std::vector<Moments> ring_;
 };
 
-/// Without a sensor: along a minimum spanning tree that prefers parallel normals (Hoppe et al. 1992),
-/// every normal takes the side of its parent.
-class ConsistentOrientation {
- public:
-  ConsistentOrientation(const VoxelAdjacency& adjacency, std::vector<Vec3>& normals)
-      : adjacency_(adjacency), normals_(normals), reached_(normals.size(), false) {}
-
-  void run() {
-    for (std::uint32_t v = 0; v < normals_.size(); ++v) {
-      if (!reached_[v]) orient_component(v);
-    }
-  }
-
- private:
-  struct Step {
-    double cost;  // 1 - |cos| of the angle between the two normals
-    std::uint32_t from, to;
-    bool operator>(const Step& o) const { return std::tie(cost, from, to) > std::tie(o.cost, o.from, o.to); }
-  };
-
-  void orient_component(std::uint32_t start) {
-    component_.clear();
-    reach(start);
-    while (!frontier_.empty()) {
-      const Step step = frontier_.top();
-      frontier_.pop();
-      if (reached_[step.to]) continue;
-      if (dot(normals_[step.from], normals_[step.to]) < 0) normals_[step.to] = -normals_[step.to];
-      reach(step.to);
-    }
-    Vec3 sum;
-    for (const std::uint32_t v : component_) sum += normals_[v];
-    if (std::tie(sum.z, sum.y, sum.x) >= std::make_tuple(0.0, 0.0, 0.0)) return;
-    for (const std::uint32_t v : component_) normals_[v] = -normals_[v];
-  }
-
-  void reach(std::uint32_t v) {
-    reached_[v] = true;
-    component_.push_back(v);
-    for (const std::uint32_t u : adjacency_.of(v)) {
-      if (!reached_[u]) frontier_.push({1 - std::abs(dot(normals_[v], normals_[u])), v, u});
-    }
-  }
-
-  const VoxelAdjacency& adjacency_;
-  std::vector<Vec3>& normals_;
-  std::vector<bool> reached_;
-  std::vector<std::uint32_t> component_;
-  std::priority_queue<Step, std::vector<Step>, std::greater<>> frontier_;
-};
-
 }  // namespace
 
 Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view) {
@@ -152,8 +98,7 @@ absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjace
     }
   });
   if (absl::Status status = stop.check(); !status.ok()) return status;
-  if (!view.has_sensor()) ConsistentOrientation(adjacency, normals).run();
-  return absl::OkStatus();
+  return view.has_sensor() ? absl::OkStatus() : orient_consistently(adjacency, stop, normals);
 }
 
 }  // namespace segserve
