@@ -103,11 +103,11 @@ class BadInput(EndToEnd):
         points = [(0.001 * i, 0.0, 1.0) for i in range(LIMIT + 1)]
         self.refuse(pcd.binary_file(points), ways=("planar", "zstd", "pcd"), saying=str(LIMIT))
 
-    def test_a_cloud_over_the_limit_of_a_call(self):
+    def test_a_cloud_too_large_for_a_call_meets_the_limits_of_a_stream(self):
         rng = random.Random(5)
         body = rng.randbytes(12 * 900_000)
         self.refuse(pcd.header(900_000, data="binary") + body, "--view", "world",
-                    ways=("planar", "zstd", "pcd"), saying="8388608")
+                    ways=("planar", "zstd", "pcd"), saying=f"{LIMIT}")
 
     def test_a_ply_that_is_none(self):
         self.refuse(b"ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\nend_header\n",

@@ -15,6 +15,7 @@ void add_segment_command(CLI::App& app, Command& chosen);
 void add_cut_command(CLI::App& app, Command& chosen);
 void add_synth_command(CLI::App& app, Command& chosen);
 void add_eval_command(CLI::App& app, Command& chosen);
+void add_bench_command(CLI::App& app, Command& chosen);
 void add_info_command(CLI::App& app, Command& chosen);
 void add_health_command(CLI::App& app, Command& chosen);
 

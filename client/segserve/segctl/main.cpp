@@ -26,6 +26,7 @@ int run(int argc, char** argv) {
   add_cut_command(app, chosen);
   add_synth_command(app, chosen);
   add_eval_command(app, chosen);
+  add_bench_command(app, chosen);
   add_info_command(app, chosen);
   add_health_command(app, chosen);
   try {

@@ -13,10 +13,12 @@ void ServerFlags::add_to(CLI::App& app, double default_timeout_s) {
   const bool has_environment = from_environment != nullptr && *from_environment != '\0';
   address_ = has_environment ? from_environment : client::ClientOptions{}.address;
   timeout_s_ = default_timeout_s;
-  server_option_ = app.add_option("--server", address_, "address of the server, host:port; also from SEGCTL_SERVER")
-                       ->type_name("ADDRESS")
-                       ->capture_default_str()
-                       ->group("Server");
+  server_option_ =
+      app.add_option("--server", address_,
+                     "address of the server, host:port; several are separated by commas; also from SEGCTL_SERVER")
+          ->type_name("ADDRESS")
+          ->capture_default_str()
+          ->group("Server");
   timeout_option_ = app.add_option("--timeout", timeout_s_, "give up after so many seconds")
                         ->type_name("SECONDS")
                         ->capture_default_str()

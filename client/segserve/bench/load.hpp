@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "segserve/bench/report.hpp"
+#include "segserve/client/client.hpp"
+#include "segserve/client/payload.hpp"
+
+namespace segserve::bench {
+
+/// How frames are made.
+struct FrameSource {
+  std::vector<Cloud> clouds;  ///< sent in turn, again and again; not empty
+  /// Any codec, to be called by several threads at once.
+  std::function<absl::StatusOr<client::Payload>(const CloudView&)> encode;
+};
+
+struct LoadOptions {
+  client::ClientOptions client;
+  client::StreamOptions stream;  ///< of every client
+  std::size_t clients = 1;       ///< each with connections of its own
+  /// Frames per second of all clients together, sent at their time whatever became of those before (open loop);
+  /// 0: every client sends as soon as its window has room (closed loop, max_in_flight at a time).
+  double rate = 0;
+  bool poisson = false;  ///< open loop: random arrivals
+  std::uint64_t seed = 1;
+  std::chrono::milliseconds warm_up{1000};  ///< not measured
+  std::chrono::milliseconds duration{10'000};
+  bool encoded_beforehand = false;  ///< frames are encoded once, not each time
+  bool verify = false;              ///< compare every label array with a local run on the decoded payload
+};
+
+/// Runs the load and waits for the outcomes of all frames. Errors: a frame that cannot be encoded, wrong options; never
+/// those of frames, which are counted. `progress` is called now and then with the share of the time that is over.
+absl::StatusOr<Report> run_load(const LoadOptions& options, const FrameSource& source,
+                                const std::function<void(double)>& progress);
+
+}  // namespace segserve::bench
