@@ -56,6 +56,7 @@ void fill_summary(SegmentResponse& response) {
   v1alpha1::ResultSummary& summary = *response.mutable_result()->mutable_summary();
   summary.set_points(16);
   summary.set_finite_points(16);
+  summary.set_segmented_points(16);
   summary.set_voxels(1);
   summary.set_supervoxels(1);
   summary.set_segments(1);

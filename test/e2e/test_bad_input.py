@@ -88,6 +88,14 @@ class BadInput(EndToEnd):
         self.refuse(good, "--view", "world:1,2", saying="world:1,2")
         self.refuse(good, "--view", "world:1,2,nan", saying="nan")
 
+    def test_parts_that_are_none(self):
+        good = pcd.ascii_file(SQUARE)
+        self.refuse(good, "--crop-min-x", "0.5", "--crop-max-x", "-0.5", saying="crop_max_x")
+        self.refuse(good, "--crop-min-z", "nan", saying="crop_min_z")
+        self.refuse(good, "--range-min", "2", "--range-max", "1", saying="range_max")
+        self.refuse(good, "--view", "world", "--range-max", "1", saying="range_max")
+        self.refuse(good, "--support-plane-distance", "-1", saying="support_plane_distance")
+
     def test_every_wrong_option_is_named_at_once(self):
         self.refuse(pcd.ascii_file(SQUARE), "--lambda", "2", "--color-weight", "-4", saying="lambda")
         self.refuse(pcd.ascii_file(SQUARE), "--lambda", "2", "--color-weight", "-4", saying="color_weight")

@@ -105,6 +105,34 @@ class Summary(EndToEnd):
             self.assertEqual(told["view"], "camera")
             self.assertGreater(told["timings_ms"]["total"], 0)
 
+    def test_parts_are_told(self):
+        scene = self.synth(*SMALL)
+        _, whole = self.segment(scene)
+        self.assertEqual((whole["segmented"], whole["support_plane"]), (whole["finite"], None))
+        for flags in (("--crop-min-x", "-0.1", "--crop-max-y", "0.1"), ("--range-min", "0.5", "--range-max", "1")):
+            labels, told = self.segment(scene, *flags)
+            self.assertEqual(told["finite"], whole["finite"])
+            self.assertEqual(told["segmented"], sum(label > 0 for label in labels))
+            self.assertLess(told["segmented"], told["finite"])
+            self.assertGreater(told["segmented"], 0)
+            self.assertEqual(labels, self.segment_locally(scene, *flags)[0])
+
+    def test_the_support_plane_is_told(self):
+        scene = self.synth(*SMALL)
+        flags = ("--support-plane-distance", "0.01")
+        labels, told = self.segment(scene, *flags)
+        plane = told["support_plane"]
+        self.assertEqual(told["segmented"], sum(label > 0 for label in labels))
+        self.assertEqual(told["segmented"] + plane["points"], told["finite"])
+        self.assertGreater(plane["points"], told["finite"] / 2)
+        self.assertAlmostEqual(sum(n * n for n in plane["normal"]), 1)
+        here, also_told = self.segment_locally(scene, *flags)
+        self.assertEqual((labels, plane), (here, also_told["support_plane"]))
+        said = self.run_well("segment", scene, "--local", *flags).stdout.decode()
+        self.assertIn(f"support plane removed: {plane['points']} points", said)
+        none = self.run_well("segment", scene, "--local", "--view", "world:0,0,0", *flags).stdout.decode()
+        self.assertIn("no support plane found", none)
+
     def test_threshold_is_null_after_a_cut_at_regions(self):
         labels, told = self.segment(self.synth(*SMALL), "--regions", "6")
         self.assertEqual((told["threshold"], told["regions"], told["segments"], max(labels)), (None, 6, 6, 6))

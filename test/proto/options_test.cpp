@@ -29,9 +29,20 @@ TEST(WireOptions, EveryOptionRoundTrips) {
   options.normal_weight = 3;
   options.lambda = 0.125;
   options.regions = 7;
+  options.min_segment_points = 50;
+  options.crop_min_x = -1;
+  options.crop_max_x = 1;
+  options.crop_min_y = -2;
+  options.crop_max_y = 2;
+  options.crop_min_z = -3;
+  options.crop_max_z = 3;
+  options.range_min = 0.5;
+  options.range_max = 1.5;
+  options.support_plane_distance = 0.01;
   options.threads = 4;
   const Options read = parse(to_message(options));
   EXPECT_EQ(to_message(read).SerializeAsString(), to_message(options).SerializeAsString());
+  EXPECT_EQ(read, options);
   EXPECT_EQ(read.normal_weight, 3);
   EXPECT_EQ(read.regions, 7U);
   EXPECT_EQ(read.threshold, std::nullopt);
@@ -70,6 +81,13 @@ TEST(WireOptions, NamesEveryWrongOptionByItsPath) {
                                              "options.threshold", "options.threads"}));
 }
 
+TEST(WireOptions, NamesWhatIsWrongForTheViewByItsPath) {
+  const Options options{.range_max = 2};
+  EXPECT_THAT(violations_in_view(options, View::camera()), testing::IsEmpty());
+  EXPECT_THAT(violations_in_view(options, View::world()),
+              testing::ElementsAre(testing::Field(&FieldViolation::field, "options.range_max")));
+}
+
 TEST(WireOptions, EveryOptionOfCoreIsAFieldOfTheMessage) {
   for (const OptionInfo& option : option_table()) {
     EXPECT_NE(v1alpha1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name)), nullptr)
@@ -88,6 +106,8 @@ TEST(OptionsHash, DependsOnWhatDecidesResultsOnly) {
   EXPECT_EQ(options_hash(options), hash) << "lambda only counts for fixed-lambda";
   options.normal_weight = 0.5;
   EXPECT_NE(options_hash(options), hash);
+  EXPECT_NE(options_hash({.crop_min_x = 1}), hash);
+  EXPECT_NE(options_hash({.crop_min_x = 1}), options_hash({.crop_min_y = 1}));
 
   Options by_threshold, by_regions;
   by_threshold.threshold = 1;

@@ -19,6 +19,7 @@ Result small_result() {
   result.segmentation.tree = small_tree();
   result.segmentation.segments = 2;
   result.segmentation.finite_points = 5;
+  result.segmentation.segmented_points = 5;
   result.segmentation.voxels = 4;
   result.segmentation.threshold = 0.5;
   result.segmentation.lambda = 0.25;
@@ -56,6 +57,8 @@ TEST(WireResult, RoundTrips) {
     EXPECT_EQ(read->segmentation.tree, expected.segmentation.tree);
     EXPECT_EQ(read->segmentation.segments, 2U);
     EXPECT_EQ(read->segmentation.finite_points, 5U);
+    EXPECT_EQ(read->segmentation.segmented_points, 5U);
+    EXPECT_EQ(read->segmentation.support_plane, std::nullopt);
     EXPECT_EQ(read->segmentation.voxels, 4U);
     EXPECT_EQ(read->segmentation.lambda, 0.25);
     EXPECT_EQ(read->segmentation.timings.merging, 5);
@@ -70,6 +73,18 @@ TEST(WireResult, RoundTrips) {
     EXPECT_EQ(read->timings.total, 45);
     EXPECT_EQ(read->server_version, "1.2.3");
     EXPECT_EQ(read->options_hash, "0123456789abcdef");
+  }
+}
+
+TEST(WireResult, TellsTheSupportPlane) {
+  Result result = small_result();
+  for (const SupportPlane& plane :
+       {SupportPlane{.normal = {0, 0.6, -0.8}, .offset = -0.5, .points = 1}, SupportPlane{}}) {
+    result.segmentation.finite_points = 6;
+    result.segmentation.support_plane = plane;
+    const auto read = from_message(to_message(result, kEverything).value(), 6);
+    ASSERT_TRUE(read.ok()) << read.status();
+    EXPECT_EQ(read->segmentation.support_plane, plane);
   }
 }
 
@@ -96,6 +111,14 @@ TEST(WireResult, MustAgreeWithItself) {
 
   message = small_message();
   message.mutable_summary()->set_finite_points(7);  // of 6
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->set_segmented_points(6);  // of 5 finite ones
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->mutable_support_plane()->set_points(1);  // but all 5 finite ones are segmented
   refusal(message);
 
   message = small_message();

@@ -119,6 +119,30 @@ TEST_F(BadInput, ThresholdThatIsNoNumber) {
   EXPECT_THAT(message_, HasSubstr("nan"));
 }
 
+TEST_F(BadInput, CropBoxInsideOut) {
+  v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  request.mutable_options()->set_crop_min_y(1);
+  request.mutable_options()->set_crop_max_y(0);
+  request.mutable_options()->set_crop_max_z(std::nan(""));
+  EXPECT_THAT(wrong_fields(request), testing::UnorderedElementsAre("options.crop_max_y", "options.crop_max_z"));
+}
+
+TEST_F(BadInput, RangeWithoutASensor) {
+  Cloud cloud = wall_with_box();
+  cloud.view = View::world();
+  v1alpha1::SegmentRequest request = request_for(cloud);
+  request.mutable_options()->set_range_min(0.5);
+  request.mutable_options()->set_range_max(2);
+  EXPECT_THAT(wrong_fields(request), testing::ElementsAre("options.range_min", "options.range_max"));
+  EXPECT_THAT(message_, HasSubstr("sensor"));
+}
+
+TEST_F(BadInput, SupportPlaneOfNoThickness) {
+  v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  request.mutable_options()->set_support_plane_distance(0);
+  EXPECT_THAT(wrong_fields(request), testing::ElementsAre("options.support_plane_distance"));
+}
+
 TEST_F(BadInput, NoRegions) {
   v1alpha1::SegmentRequest request = request_for(wall_with_box());
   request.mutable_options()->set_regions(0);

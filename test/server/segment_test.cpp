@@ -29,6 +29,8 @@ void expect_equal(const Segmentation& remote, const Segmentation& local) {
   EXPECT_EQ(remote.tree, local.tree);
   EXPECT_EQ(remote.segments, local.segments);
   EXPECT_EQ(remote.finite_points, local.finite_points);
+  EXPECT_EQ(remote.segmented_points, local.segmented_points);
+  EXPECT_EQ(remote.support_plane, local.support_plane);
   EXPECT_EQ(remote.voxels, local.voxels);
   EXPECT_EQ(remote.lambda, local.lambda);
 }
@@ -68,6 +70,19 @@ TEST(Segment, EveryMethodAndCutGivesTheLabelsOfALocalRun) {
     EXPECT_EQ(result.regions, options.regions);
     EXPECT_EQ(result.options_hash, wire::options_hash(options));
     EXPECT_EQ(result.segmentation.threshold.has_value(), !options.regions.has_value());
+  }
+}
+
+TEST(Segment, LeavesOutWhatTheOptionsSay) {
+  RunningServer server;
+  const Cloud cloud = wall_with_box();
+  for (const Options& options : {Options{.crop_max_x = 0.1}, Options{.range_max = 1.3}, Options{.crop_min_z = 1},
+                                 Options{.support_plane_distance = 0.01}}) {
+    v1alpha1::SegmentRequest request = request_for(cloud);
+    *request.mutable_options() = wire::to_message(options);
+    const Segmentation local = segment(cloud, options).value();
+    ASSERT_LT(local.segmented_points, local.finite_points) << "something to leave out";
+    expect_equal(ask(server, request, cloud.size()).segmentation, local);
   }
 }
 

@@ -109,7 +109,7 @@ std::string to_text(const Json& json, const std::string& address) {
   for (const Json& option : json["options"]) {
     const std::string unit = option["unit"].get<std::string>();
     const std::string standard = option["default"].is_null() ? "" : ", default " + option["default"].dump();
-    text += fmt::format("  {:<18} {} to {}{}{}{}\n", option["name"].get<std::string>(), option["minimum"].get<double>(),
+    text += fmt::format("  {:<22} {} to {}{}{}{}\n", option["name"].get<std::string>(), option["minimum"].get<double>(),
                         option["maximum"].get<double>(), unit.empty() ? "" : " ", unit, standard);
   }
   return text;

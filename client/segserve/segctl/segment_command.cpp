@@ -30,8 +30,10 @@ constexpr const char* kFooter = R"(Examples:
   segctl segment scene.ply --view world:0,0,1.5 --server robot:50051 --zstd --json -
   segctl segment scene.pcd --local --method equalization --regions 12 -o - | other-program
   segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
+  segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd
 
-Points that are not finite get label 0, segments are numbered 1, 2, .. by descending size.
+Points that are not finite, that the crop box or the range leaves out, or that are removed with the
+support plane get label 0; segments are numbered 1, 2, .. by descending size.
 Without --view an organised PCD with the identity VIEWPOINT is seen by the camera, any other PCD
 is WORLD with the sensor at VIEWPOINT, and a PLY is WORLD without a sensor.
 

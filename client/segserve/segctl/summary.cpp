@@ -28,6 +28,19 @@ std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
   return sizes;
 }
 
+Json support_plane_json(const std::optional<SupportPlane>& plane) {
+  if (!plane) return {};
+  return {{"points", plane->points},
+          {"normal", {plane->normal.x, plane->normal.y, plane->normal.z}},
+          {"offset", plane->offset}};
+}
+
+std::string support_plane_text(const SupportPlane& plane) {
+  if (plane.points == 0) return "no support plane found\n";
+  return fmt::format("support plane removed: {} points, {:.4f} x + {:.4f} y + {:.4f} z = {:.4f} m\n", plane.points,
+                     plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
+}
+
 std::string cut_text(const client::Result& result) {
   if (result.regions) return fmt::format("cut at {} regions", *result.regions);
   return fmt::format("threshold {}", result.segmentation.threshold.value_or(0));
@@ -68,6 +81,8 @@ Json to_json(const Summary& summary) {
   Json json;
   json["points"] = result.points;
   json["finite"] = result.segmentation.finite_points;
+  json["segmented"] = result.segmentation.segmented_points;
+  json["support_plane"] = support_plane_json(result.segmentation.support_plane);
   json["voxels"] = result.segmentation.voxels;
   json["supervoxels"] = result.supervoxels;
   json["segments"] = result.segmentation.segments;
@@ -89,8 +104,11 @@ Json to_json(const Summary& summary) {
 std::string to_text(const Summary& summary) {
   const client::Result& result = summary.result;
   const Segmentation& segmentation = result.segmentation;
-  std::string text = fmt::format("{}: {} points, {} finite; {}\n", summary.input, result.points,
-                                 segmentation.finite_points, result.view_rule);
+  const bool in_part = segmentation.segmented_points != segmentation.finite_points;
+  std::string text =
+      fmt::format("{}: {} points, {} finite{}; {}\n", summary.input, result.points, segmentation.finite_points,
+                  in_part ? fmt::format(", {} segmented", segmentation.segmented_points) : "", result.view_rule);
+  if (segmentation.support_plane) text += support_plane_text(*segmentation.support_plane);
   text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
                       result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",
                       sizes_text(segmentation));

@@ -26,7 +26,8 @@ struct Summary {
 /// The times of a result as the server (or the local run) took them; the last one is the total.
 std::vector<Timing> stage_timings(const client::Result& result);
 
-/// One object with at least points, finite, supervoxels, segments, method, threshold (null after a
+/// One object with at least points, finite, segmented, support_plane (null unless its removal was asked for; with 0
+/// points if none was found), supervoxels, segments, method, threshold (null after a
 /// cut at a number of regions), timings_ms.
 nlohmann::ordered_json to_json(const Summary& summary);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "fmt/format.h"
@@ -64,6 +65,8 @@ constexpr OptionInfo whole(std::string_view name, std::string_view description, 
           [](Options& o, double value) { o.*member = static_cast<std::uint32_t>(value); }};
 }
 
+constexpr double kFarthest = 100'000;
+
 constexpr std::array kTable = {
     number<&Options::voxel_resolution>("voxel_resolution", "m", "edge of a voxel; in a CAMERA view at 1 m distance",
                                        0.001, 1),
@@ -78,8 +81,38 @@ constexpr std::array kTable = {
                              2147483647),
     whole<&Options::min_segment_points>(
         "min_segment_points", "segments of fewer points join the neighbour they are least unlike", 0, 2147483647),
+    number<&Options::crop_min_x>("crop_min_x", "m", "leave out points with a smaller x", -kFarthest, kFarthest),
+    number<&Options::crop_max_x>("crop_max_x", "m", "leave out points with a greater x", -kFarthest, kFarthest),
+    number<&Options::crop_min_y>("crop_min_y", "m", "leave out points with a smaller y", -kFarthest, kFarthest),
+    number<&Options::crop_max_y>("crop_max_y", "m", "leave out points with a greater y", -kFarthest, kFarthest),
+    number<&Options::crop_min_z>("crop_min_z", "m", "leave out points with a smaller z", -kFarthest, kFarthest),
+    number<&Options::crop_max_z>("crop_max_z", "m", "leave out points with a greater z", -kFarthest, kFarthest),
+    number<&Options::range_min>("range_min", "m", "leave out points nearer to the sensor", 0, kFarthest),
+    number<&Options::range_max>("range_max", "m", "leave out points farther from the sensor", 0, kFarthest),
+    number<&Options::support_plane_distance>(
+        "support_plane_distance", "m",
+        "remove the plane that supports the objects, with what is this near to it; in a CAMERA view at 1 m distance",
+        0.001, 0.5),
     whole<&Options::threads>("threads", "threads within one call; the result does not depend on it", 1, 64),
 };
+
+/// A maximum that is not above its minimum, if both are given.
+void check_interval(std::string_view minimum_name, const std::optional<double>& minimum, std::string_view maximum_name,
+                    const std::optional<double>& maximum, std::vector<FieldViolation>& faults) {
+  if (!minimum || !maximum || *minimum < *maximum) return;
+  faults.push_back(
+      {std::string(maximum_name), fmt::format("{} m is not above {}, {} m", *maximum, minimum_name, *minimum)});
+}
+
+absl::Status as_status(const std::vector<FieldViolation>& faults) {
+  if (faults.empty()) return absl::OkStatus();
+  std::string message;
+  for (const FieldViolation& fault : faults) {
+    fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ", fault.field,
+                   fault.description);
+  }
+  return absl::InvalidArgumentError(message);
+}
 
 }  // namespace
 
@@ -154,18 +187,31 @@ std::vector<FieldViolation> violations(const Options& options) {
   if (options.threshold && options.regions) {
     faults.push_back({"regions", "threshold and regions exclude each other"});
   }
+  check_interval("crop_min_x", options.crop_min_x, "crop_max_x", options.crop_max_x, faults);
+  check_interval("crop_min_y", options.crop_min_y, "crop_max_y", options.crop_max_y, faults);
+  check_interval("crop_min_z", options.crop_min_z, "crop_max_z", options.crop_max_z, faults);
+  check_interval("range_min", options.range_min, "range_max", options.range_max, faults);
   return faults;
 }
 
-absl::Status check(const Options& options) {
-  const std::vector<FieldViolation> faults = violations(options);
-  if (faults.empty()) return absl::OkStatus();
-  std::string message;
-  for (const FieldViolation& fault : faults) {
-    fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ", fault.field,
-                   fault.description);
-  }
-  return absl::InvalidArgumentError(message);
+std::vector<FieldViolation> violations(const Options& options, const View& view) {
+  std::vector<FieldViolation> faults;
+  if (view.has_sensor()) return faults;
+  const auto need_sensor = [&faults](std::string_view name, const std::optional<double>& value) {
+    if (value)
+      faults.push_back({std::string(name), "the cloud has a WORLD view that does not say where its sensor is"});
+  };
+  need_sensor("range_min", options.range_min);
+  need_sensor("range_max", options.range_max);
+  return faults;
+}
+
+absl::Status check(const Options& options) { return as_status(violations(options)); }
+
+absl::Status check(const Options& options, const View& view) {
+  std::vector<FieldViolation> faults = violations(options);
+  std::ranges::move(violations(options, view), std::back_inserter(faults));
+  return as_status(faults);
 }
 
 }  // namespace segserve

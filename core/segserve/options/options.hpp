@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "segserve/cloud/cloud.hpp"
 
 namespace segserve {
 
@@ -48,6 +49,18 @@ struct Options {
   std::optional<std::uint32_t> regions = std::nullopt;
   /// A segment of fewer input points joins the neighbour it is least unlike, if it has any.
   std::uint32_t min_segment_points = 0;
+  /// Crop box: a closed box along the axes of the cloud's own frame, metres; a side that is unset is open. A point
+  /// outside counts as one that is not finite: it gets label 0 and has no influence on anything.
+  std::optional<double> crop_min_x = std::nullopt, crop_max_x = std::nullopt;
+  std::optional<double> crop_min_y = std::nullopt, crop_max_y = std::nullopt;
+  std::optional<double> crop_min_z = std::nullopt, crop_max_z = std::nullopt;
+  /// Closed range of distances from the sensor, metres; what is out of range counts as outside a crop box. A WORLD
+  /// view must say where its sensor is.
+  std::optional<double> range_min = std::nullopt, range_max = std::nullopt;
+  /// Finds the plane that supports the objects (find_support_plane) and gives label 0 to its points, all that are
+  /// at most this far from it: metres in a WORLD view; in a CAMERA view metres at 1 m distance, in proportion to z
+  /// elsewhere, as depth noise grows. All else is as if these points were not finite. Unset: nothing is removed.
+  std::optional<double> support_plane_distance = std::nullopt;
   /// Threads within one call; the result does not depend on it.
   std::uint32_t threads = 1;
 
@@ -83,7 +96,7 @@ struct OptionInfo {
 /// Every numeric option, for `--help`, the API and `violations`.
 std::span<const OptionInfo> option_table();
 
-/// What the option is with this method unless it is given; nothing for `regions`.
+/// What the option is with this method unless it is given; nothing for what is off then.
 std::optional<double> default_value(const OptionInfo& option, Method method);
 
 struct FieldViolation {
@@ -98,7 +111,11 @@ std::optional<FieldViolation> violation(const OptionInfo& option, double value);
 /// Every fault of the options at once; empty if they are valid.
 std::vector<FieldViolation> violations(const Options& options);
 
+/// What is wrong with options, valid in themselves, for a cloud in this view: a range without a known sensor.
+std::vector<FieldViolation> violations(const Options& options, const View& view);
+
 /// The same as a status: INVALID_ARGUMENT naming every wrong option, or OK.
 absl::Status check(const Options& options);
+absl::Status check(const Options& options, const View& view);
 
 }  // namespace segserve

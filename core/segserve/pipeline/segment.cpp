@@ -1,6 +1,7 @@
 #include "segserve/pipeline/segment.hpp"
 
 #include <chrono>
+#include <numeric>
 #include <utility>
 
 #include "segserve/graph/border.hpp"
@@ -81,13 +82,26 @@ absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options) {
   return options.regions ? cut_to_regions(tree, *options.regions) : cut_at_threshold(tree, *options.threshold);
 }
 
-/// A value per supervoxel becomes one per point; 0 stays with points that are not finite.
+/// Takes the support plane's voxels, which it finds by their normals, out of the grid and its adjacency.
+absl::Status remove_support_plane(double distance, const View& view, unsigned threads, const StopToken& stop,
+                                  VoxelGrid& grid, VoxelAdjacency& adjacency, std::vector<Vec3>& normals,
+                                  SupportPlane& plane) {
+  if (absl::Status status = compute_normals(grid, adjacency, view, threads, stop, normals); !status.ok()) return status;
+  const PlaneVoxels found = find_support_plane(grid, adjacency, normals, view, distance);
+  plane = found.plane;
+  remove_voxels(found.member, grid);
+  find_adjacency(grid, adjacency);
+  return absl::OkStatus();
+}
+
+/// A value per supervoxel becomes one per point; 0 stays with points that are not segmented.
 template <typename ValueOfSupervoxel>
 std::vector<std::uint32_t> spread(const VoxelGrid& grid, const Supervoxels& supervoxels, unsigned threads,
                                   ValueOfSupervoxel&& value) {
   std::vector<std::uint32_t> value_of_slot(grid.voxel_of_slot.size(), 0);
   for (std::size_t slot = 1; slot < value_of_slot.size(); ++slot) {
-    value_of_slot[slot] = value(supervoxels.of_voxel[grid.voxel_of_slot[slot]]);
+    const std::uint32_t voxel = grid.voxel_of_slot[slot];
+    if (voxel != kNoVoxel) value_of_slot[slot] = value(supervoxels.of_voxel[voxel]);
   }
   std::vector<std::uint32_t> result(grid.slot_of_point.size());
   parallel_ranges(result.size(), threads, [&](std::size_t begin, std::size_t end) {
@@ -113,7 +127,7 @@ Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
 absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& requested,
                                                 const StopToken& stop) {
-  if (absl::Status status = check(requested); !status.ok()) return status;
+  if (absl::Status status = check(requested, cloud.view); !status.ok()) return status;
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
@@ -123,13 +137,20 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   Stopwatch total, watch;
   absl::Status status;
 
-  // The cloud becomes voxels, each with the mean of its points ..
-  status = voxelize(cloud, settings.voxel_resolution, options.threads, stop, scratch, grid);
+  // The cloud, or the part of it that is asked for, becomes voxels, each with the mean of its points ..
+  status =
+      voxelize(cloud, settings.voxel_resolution, options.threads, stop, scratch, grid, Selection(options, cloud.view));
   if (!status.ok()) return status;
   timings.voxels = watch.lap();
 
-  // .. and a normal, from the plane through its neighbourhood; ours does not reach across edges.
+  // .. and a normal, from the plane through its neighbourhood; ours does not reach across edges. What supports the
+  // objects goes before, if it shall.
   find_adjacency(grid, adjacency);
+  if (options.support_plane_distance) {
+    status = remove_support_plane(*options.support_plane_distance, cloud.view, options.threads, stop, grid, adjacency,
+                                  normals, result.support_plane.emplace());
+    if (!status.ok()) return status;
+  }
   status = options.method == Method::kBorder
                ? border_normals(grid, cloud.view, settings, options.threads, stop, adjacency, normals)
                : compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals);
@@ -166,6 +187,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
 
   result.threshold = options.threshold;
   result.finite_points = grid.finite_points;
+  result.segmented_points = std::accumulate(grid.points.begin(), grid.points.end(), std::size_t{0});
   result.voxels = grid.size();
   timings.total = total.lap();
   return result;

@@ -10,6 +10,7 @@
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/options/options.hpp"
 #include "segserve/pipeline/stop_token.hpp"
+#include "segserve/plane/support_plane.hpp"
 #include "segserve/tree/merge_tree.hpp"
 
 namespace segserve {
@@ -17,7 +18,7 @@ namespace segserve {
 /// Wall time of each stage, milliseconds.
 struct StageTimings {
   double voxels = 0;       ///< voxelisation of the points
-  double normals = 0;      ///< voxel adjacency and normals
+  double normals = 0;      ///< voxel adjacency, the support plane, normals
   double supervoxels = 0;  ///< seeds and growth (VCCS)
   double graph = 0;        ///< region features, region adjacency graph
   double merging = 0;      ///< weights and the merge tree
@@ -25,15 +26,18 @@ struct StageTimings {
   double total = 0;
 };
 
-/// A segmented cloud of N points and m supervoxels.
+/// A segmented cloud of N points and m supervoxels. Points that are not finite, left out by the crop box or the
+/// range, or removed with the support plane are not segmented.
 struct Segmentation {
-  std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not finite, 1..segments by descending size
-  std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not finite, 1..m
+  std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not segmented, 1..segments by descending size
+  std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
   MergeTree tree;                          ///< the whole hierarchy; cut it anew without segmenting again
   std::uint32_t segments = 0;
-  std::size_t finite_points = 0;
-  std::size_t voxels = 0;
-  std::optional<double> threshold;  ///< of the cut; unset if the caller asked for a number of regions
+  std::size_t finite_points = 0;              ///< segmented or not
+  std::size_t segmented_points = 0;           ///< with a label other than 0: the sum over the tree's leaves
+  std::optional<SupportPlane> support_plane;  ///< set if its removal was asked for
+  std::size_t voxels = 0;                     ///< that were segmented
+  std::optional<double> threshold;            ///< of the cut; unset if the caller asked for a number of regions
   double lambda = 0;  ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
   StageTimings timings;
 };
@@ -48,7 +52,7 @@ class Segmenter {
   Segmenter& operator=(Segmenter&&) noexcept;
 
   /// Errors: INVALID_ARGUMENT (options; shape; a CAMERA point with z <= 0; a coordinate beyond the
-  /// grid), CANCELLED, DEADLINE_EXCEEDED. A cloud without any finite point is no error: all labels
+  /// grid), CANCELLED, DEADLINE_EXCEEDED. A cloud without any point to segment is no error: all labels
   /// are 0 and the tree is empty.
   absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 

@@ -49,8 +49,9 @@ using Part = VoxelizeScratch::Part;
 /// Voxelises a contiguous range of points.
 class RangeVoxelizer {
  public:
-  RangeVoxelizer(const CloudView& cloud, const CellMapping& mapping, Part& part, std::span<std::uint32_t> slot_of_point)
-      : cloud_(cloud), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
+  RangeVoxelizer(const CloudView& cloud, const Selection& selection, const CellMapping& mapping, Part& part,
+                 std::span<std::uint32_t> slot_of_point)
+      : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
 
   void run(std::size_t begin, std::size_t end, const StopToken& stop) {
     part_.table.clear();
@@ -64,9 +65,11 @@ class RangeVoxelizer {
       if (!part_.stopped.ok()) return;
       const std::size_t last = std::min(first + kChunk, end);
       if (cloud_.view.kind == ViewKind::kCamera) {
-        compute_keys<ViewKind::kCamera>(first, last);
+        selection_.all() ? compute_keys<ViewKind::kCamera, false>(first, last)
+                         : compute_keys<ViewKind::kCamera, true>(first, last);
       } else {
-        compute_keys<ViewKind::kWorld>(first, last);
+        selection_.all() ? compute_keys<ViewKind::kWorld, false>(first, last)
+                         : compute_keys<ViewKind::kWorld, true>(first, last);
       }
       if (part_.first_invalid != SIZE_MAX) return;
       add_runs(first, last);
@@ -74,16 +77,24 @@ class RangeVoxelizer {
   }
 
  private:
-  static constexpr VoxelKey kNotFinite = ~VoxelKey{0};
+  static constexpr VoxelKey kNoKey = ~VoxelKey{0};
+
+  /// The cell of a point; one that is not selected counts as not finite.
+  template <ViewKind kind, bool selects>
+  CellMapping::Cell cell(float x, float y, float z) const {
+    CellMapping::Cell cell = mapping_.cell<kind>(x, y, z);
+    if constexpr (selects) cell.finite &= selection_.mask(x, y, z);
+    return cell;
+  }
 
   /// Two branch-free loops that the compiler vectorises: half the time of one that it does not.
-  template <ViewKind kind>
+  template <ViewKind kind, bool selects>
   void compute_keys(std::size_t first, std::size_t last) {
     const std::size_t count = last - first;
     const float *x = cloud_.x.data() + first, *y = cloud_.y.data() + first, *z = cloud_.z.data() + first;
     std::int32_t invalid = 0;
     for (std::size_t i = 0; i < count; ++i) {
-      const CellMapping::Cell cell = mapping_.cell<kind>(x[i], y[i], z[i]);
+      const CellMapping::Cell cell = this->cell<kind, selects>(x[i], y[i], z[i]);
       cell_x_[i] = cell.x, cell_y_[i] = cell.y, cell_z_[i] = cell.z, finite_[i] = cell.finite;
       invalid |= cell.finite & ~cell.valid;
     }
@@ -91,14 +102,22 @@ class RangeVoxelizer {
       const auto not_finite = ~static_cast<VoxelKey>(static_cast<std::int64_t>(finite_[i]));
       keys_[i] = CellMapping::key(cell_x_[i], cell_y_[i], cell_z_[i]) | not_finite;
     }
-    if (invalid != 0) part_.first_invalid = find_invalid<kind>(first, last);
+    if constexpr (selects) part_.finite_points += count_finite(first, last);
+    if (invalid != 0) part_.first_invalid = find_invalid<kind, selects>(first, last);
   }
 
-  template <ViewKind kind>
+  std::size_t count_finite(std::size_t first, std::size_t last) const {
+    std::size_t count = 0;
+    for (std::size_t i = first; i < last; ++i) {
+      count += static_cast<std::size_t>(is_finite(cloud_.x[i], cloud_.y[i], cloud_.z[i]));
+    }
+    return count;
+  }
+
+  template <ViewKind kind, bool selects>
   std::size_t find_invalid(std::size_t first, std::size_t last) const {
     for (std::size_t i = first; i < last; ++i) {
-      const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
-      const CellMapping::Cell cell = mapping_.cell<kind>(x, y, z);
+      const CellMapping::Cell cell = this->cell<kind, selects>(cloud_.x[i], cloud_.y[i], cloud_.z[i]);
       if (cell.finite != 0 && cell.valid == 0) return i;
     }
     return SIZE_MAX;
@@ -110,7 +129,7 @@ class RangeVoxelizer {
       const VoxelKey key = keys_[i - first];
       std::size_t end = i + 1;
       while (end < last && keys_[end - first] == key) ++end;
-      const std::uint32_t slot = key == kNotFinite ? 0 : add_run(key, i, end);
+      const std::uint32_t slot = key == kNoKey ? 0 : add_run(key, i, end);
       std::fill(slot_of_point_.begin() + static_cast<std::ptrdiff_t>(i),
                 slot_of_point_.begin() + static_cast<std::ptrdiff_t>(end), slot);
       i = end;
@@ -136,12 +155,13 @@ class RangeVoxelizer {
       }
     }
     sums.points = static_cast<std::uint32_t>(end - begin);
-    part_.finite_points += end - begin;
+    if (selection_.all()) part_.finite_points += end - begin;
     part_.sums[slot - 1].add(sums);
     return slot;
   }
 
   const CloudView& cloud_;
+  const Selection& selection_;
   const CellMapping& mapping_;
   Part& part_;
   std::span<std::uint32_t> slot_of_point_;
@@ -212,12 +232,12 @@ void sort_voxels(const Part& part, double unit, std::vector<std::uint32_t>& orde
 }  // namespace
 
 absl::Status voxelize(const CloudView& cloud, double resolution, unsigned threads, const StopToken& stop,
-                      VoxelizeScratch& scratch, VoxelGrid& grid) {
+                      VoxelizeScratch& scratch, VoxelGrid& grid, const Selection& selection) {
   const CellMapping mapping(resolution);
   if (scratch.parts.size() != threads) scratch.parts = std::vector<Part>(threads);
   grid.slot_of_point.resize(cloud.size());
   parallel_parts(cloud.size(), threads, [&](unsigned part, std::size_t begin, std::size_t end) {
-    RangeVoxelizer(cloud, mapping, scratch.parts[part], grid.slot_of_point).run(begin, end, stop);
+    RangeVoxelizer(cloud, selection, mapping, scratch.parts[part], grid.slot_of_point).run(begin, end, stop);
   });
   for (const Part& part : scratch.parts) {
     if (!part.stopped.ok()) return part.stopped;
@@ -227,6 +247,26 @@ absl::Status voxelize(const CloudView& cloud, double resolution, unsigned thread
   grid.finite_points = scratch.parts[0].finite_points;
   sort_voxels(scratch.parts[0], mapping.unit(), scratch.order, grid);
   return absl::OkStatus();
+}
+
+void remove_voxels(const std::vector<bool>& removed, VoxelGrid& grid) {
+  std::vector<std::uint32_t> moved_to(grid.size(), kNoVoxel);
+  std::uint32_t left = 0;
+  for (std::size_t v = 0; v < grid.size(); ++v) {
+    if (removed[v]) continue;
+    grid.key[left] = grid.key[v];
+    grid.centroid[left] = grid.centroid[v];
+    grid.color_sum[left] = grid.color_sum[v];
+    grid.points[left] = grid.points[v];
+    moved_to[v] = left++;
+  }
+  grid.key.resize(left);
+  grid.centroid.resize(left);
+  grid.color_sum.resize(left);
+  grid.points.resize(left);
+  for (std::size_t slot = 1; slot < grid.voxel_of_slot.size(); ++slot) {
+    grid.voxel_of_slot[slot] = moved_to[grid.voxel_of_slot[slot]];
+  }
 }
 
 }  // namespace segserve

@@ -8,6 +8,7 @@
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/math/vec3.hpp"
 #include "segserve/pipeline/stop_token.hpp"
+#include "segserve/voxel/selection.hpp"
 
 namespace segserve {
 
@@ -24,14 +25,17 @@ struct VoxelGrid {
   std::vector<Vec3> centroid;         ///< V: mean of the voxel's points, metres, the cloud's frame
   std::vector<Vec3> color_sum;        ///< V: sum of (R, G, B), 0..255 each, over its points; whole numbers
   std::vector<std::uint32_t> points;  ///< V: number of its points
-  /// N: every point's slot, in order of first appearance; 0 for a point that is not finite.
+  /// N: every point's slot, in order of first appearance; 0 for a point that is not finite, or not selected.
   std::vector<std::uint32_t> slot_of_point;
-  /// The voxel of every slot, [0] unused: a value per voxel becomes one per point by one gather.
+  /// The voxel of every slot, kNoVoxel for those removed, [0] unused: a value per voxel becomes one per point by one
+  /// gather.
   std::vector<std::uint32_t> voxel_of_slot;
-  std::size_t finite_points = 0;
+  std::size_t finite_points = 0;  ///< of the cloud, selected or not
 
   std::size_t size() const { return key.size(); }
 };
+
+inline constexpr std::uint32_t kNoVoxel = ~std::uint32_t{0};
 
 /// Edge of a voxel at `position`, metres: in a CAMERA view it grows with the distance.
 inline double voxel_edge(double resolution, const View& view, const Vec3& position) {
@@ -47,11 +51,14 @@ struct VoxelizeScratch {
   ~VoxelizeScratch();
 };
 
-/// Sorts the finite points into voxels of edge `resolution` (metres; in a CAMERA view the cells are
+/// Sorts the finite points of the selection into voxels of edge `resolution` (metres; in a CAMERA view the cells are
 /// cubes of (x/z, y/z, ln z), so the edge is resolution * z).
-/// INVALID_ARGUMENT, naming the first such point: z <= 0 in a CAMERA view, or a coordinate beyond
+/// INVALID_ARGUMENT, naming the first such point of the selection: z <= 0 in a CAMERA view, or a coordinate beyond
 /// the grid (about 2^18 voxels from the origin). CANCELLED, DEADLINE_EXCEEDED.
 absl::Status voxelize(const CloudView& cloud, double resolution, unsigned threads, const StopToken& stop,
-                      VoxelizeScratch& scratch, VoxelGrid& grid);
+                      VoxelizeScratch& scratch, VoxelGrid& grid, const Selection& selection = {});
+
+/// Takes voxels (V flags) out of the grid, as if their points had not been selected.
+void remove_voxels(const std::vector<bool>& removed, VoxelGrid& grid);
 
 }  // namespace segserve

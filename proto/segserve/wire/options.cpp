@@ -67,6 +67,9 @@ class NumberField {
   bool whole_;
 };
 
+/// The fault by the path of its field in a request.
+FieldViolation in_request(FieldViolation fault) { return {"options." + fault.field, std::move(fault.description)}; }
+
 }  // namespace
 
 v1alpha1::Method to_message(Method method) {
@@ -106,10 +109,14 @@ Options from_message(const v1alpha1::SegmentOptions& message, const Options& def
   for (const OptionInfo& option : option_table()) {
     if (const std::optional<double> value = NumberField(option).get(message)) option.set(options, *value);
   }
-  for (FieldViolation& fault : violations(options)) {
-    faults.push_back({"options." + fault.field, std::move(fault.description)});
-  }
+  for (FieldViolation& fault : segserve::violations(options)) faults.push_back(in_request(std::move(fault)));
   return options;
+}
+
+std::vector<FieldViolation> violations_in_view(const Options& options, const View& view) {
+  std::vector<FieldViolation> faults = segserve::violations(options, view);
+  for (FieldViolation& fault : faults) fault = in_request(std::move(fault));
+  return faults;
 }
 
 std::string options_hash(const Options& options) {

@@ -20,6 +20,9 @@ v1alpha1::SegmentOptions to_message(const Options& options);
 Options from_message(const v1alpha1::SegmentOptions& message, const Options& defaults,
                      std::vector<FieldViolation>& faults);
 
+/// What is wrong with valid options for a cloud in this view, by paths as above.
+std::vector<FieldViolation> violations_in_view(const Options& options, const View& view);
+
 /// 16 hexadecimal digits (FNV-1a) over all options that decide results, the method's defaults included: not the
 /// number of threads.
 std::string options_hash(const Options& options);

@@ -13,10 +13,28 @@
 namespace segserve::wire {
 namespace {
 
+v1alpha1::SupportPlane plane_message(const SupportPlane& plane) {
+  v1alpha1::SupportPlane message;
+  message.set_points(plane.points);
+  message.set_normal_x(plane.normal.x);
+  message.set_normal_y(plane.normal.y);
+  message.set_normal_z(plane.normal.z);
+  message.set_offset(plane.offset);
+  return message;
+}
+
+SupportPlane read_plane(const v1alpha1::SupportPlane& message) {
+  return {.normal = {message.normal_x(), message.normal_y(), message.normal_z()},
+          .offset = message.offset(),
+          .points = message.points()};
+}
+
 void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   const Segmentation& segmentation = result.segmentation;
   summary.set_points(result.points);
   summary.set_finite_points(segmentation.finite_points);
+  summary.set_segmented_points(segmentation.segmented_points);
+  if (segmentation.support_plane) *summary.mutable_support_plane() = plane_message(*segmentation.support_plane);
   summary.set_voxels(segmentation.voxels);
   summary.set_supervoxels(result.supervoxels);
   summary.set_segments(segmentation.segments);
@@ -55,10 +73,14 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   if (summary.points() != points) {
     return malformed(fmt::format("the result is of {} points, but the cloud has {}", summary.points(), points));
   }
-  if (summary.finite_points() > points || summary.supervoxels() > summary.finite_points() ||
-      summary.segments() > summary.supervoxels()) {
-    return malformed(fmt::format("{} segments of {} supervoxels of {} finite points of {} points cannot be",
-                                 summary.segments(), summary.supervoxels(), summary.finite_points(), points));
+  if (summary.finite_points() > points || summary.segmented_points() > summary.finite_points() ||
+      summary.support_plane().points() > summary.finite_points() - summary.segmented_points() ||
+      summary.supervoxels() > summary.segmented_points() || summary.segments() > summary.supervoxels()) {
+    return malformed(
+        fmt::format("{} segments of {} supervoxels of {} segmented points and {} of a support plane, of "
+                    "{} finite points of {} points cannot be",
+                    summary.segments(), summary.supervoxels(), summary.segmented_points(),
+                    summary.support_plane().points(), summary.finite_points(), points));
   }
   std::vector<FieldViolation> faults;
   const std::optional<View> view = from_message(summary.view(), faults);
@@ -69,6 +91,8 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   Result result;
   result.segmentation.segments = summary.segments();
   result.segmentation.finite_points = summary.finite_points();
+  result.segmentation.segmented_points = summary.segmented_points();
+  if (summary.has_support_plane()) result.segmentation.support_plane = read_plane(summary.support_plane());
   result.segmentation.voxels = summary.voxels();
   if (summary.has_threshold()) result.segmentation.threshold = summary.threshold();
   result.segmentation.lambda = summary.lambda();

@@ -1,9 +1,11 @@
 #include "segserve/server/frame.hpp"
 
 #include <utility>
+#include <vector>
 
 #include "segserve/server/version.hpp"
 #include "segserve/wire/cloud.hpp"
+#include "segserve/wire/options.hpp"
 #include "segserve/wire/result.hpp"
 #include "segserve/wire/status.hpp"
 
@@ -24,8 +26,11 @@ absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const c
   if (!decoded.ok()) return decoded.status();
   const Clock::time_point decode_end = Clock::now();
 
+  const CloudView& cloud = decoded->cloud;
+  const std::vector<FieldViolation> faults = wire::violations_in_view(frame.request.options, cloud.view);
+  if (!faults.empty()) return wire::invalid_fields(faults);
   if (const absl::Status status = stop.check(); !status.ok()) return status;
-  absl::StatusOr<Segmentation> segmentation = segmenter.segment(decoded->cloud, frame.request.options, stop);
+  absl::StatusOr<Segmentation> segmentation = segmenter.segment(cloud, frame.request.options, stop);
   if (!segmentation.ok()) {
     const bool is_cloud_at_fault = absl::IsInvalidArgument(segmentation.status());  // the options were checked before
     return is_cloud_at_fault ? wire::with_reason(segmentation.status(), v1alpha1::ERROR_REASON_INVALID_CLOUD)
@@ -35,7 +40,7 @@ absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const c
 
   const Clock::time_point encode_start = Clock::now();
   wire::Result result =
-      wire::make_result(*std::move(segmentation), decoded->cloud, frame.request.options, decoded->view_rule, kVersion);
+      wire::make_result(*std::move(segmentation), cloud, frame.request.options, decoded->view_rule, kVersion);
   result.timings.queue = milliseconds(started - frame.arrival);
   result.timings.decode = milliseconds(decode_end - started);
   absl::StatusOr<v1alpha1::SegmentationResult> message = wire::to_message(result, frame.request.outputs);

@@ -28,12 +28,20 @@ TEST(Options, TableHoldsDefaultsInRangeForEveryMethod) {
     EXPECT_FALSE(option.description.empty()) << option.name;
     for (const Method method : all_methods()) {
       const std::optional<double> value = default_value(option, method);
-      EXPECT_EQ(value.has_value(), option.name != "regions") << option.name;
       if (value) {
         EXPECT_EQ(violation(option, *value), std::nullopt) << option.name;
       }
     }
   }
+}
+
+TEST(Options, AreOnByDefaultUnlessTheyLeaveSomethingOut) {
+  std::vector<std::string_view> off;
+  for (const OptionInfo& option : option_table()) {
+    if (!default_value(option, Method::kBorder)) off.push_back(option.name);
+  }
+  EXPECT_THAT(off, ElementsAre("regions", "crop_min_x", "crop_max_x", "crop_min_y", "crop_max_y", "crop_min_z",
+                               "crop_max_z", "range_min", "range_max", "support_plane_distance"));
 }
 
 TEST(Options, TableWritesWhatItReads) {
@@ -98,6 +106,37 @@ TEST(Options, SeedsAreNotBelowVoxels) {
   options.seed_resolution = 0.05;
   EXPECT_THAT(std::string(check(options).message()),
               HasSubstr("seed_resolution: 0.05 m is below voxel_resolution, 0.1 m"));
+}
+
+TEST(Options, AMaximumIsAboveItsMinimum) {
+  const Options options{.crop_min_x = 1,
+                        .crop_max_x = 1,
+                        .crop_min_y = 0,
+                        .crop_max_y = -1,
+                        .crop_min_z = 1,
+                        .crop_max_z = 2,
+                        .range_min = 3,
+                        .range_max = 2};
+  EXPECT_THAT(violations(options), ElementsAre(FieldViolation{"crop_max_x", "1 m is not above crop_min_x, 1 m"},
+                                               FieldViolation{"crop_max_y", "-1 m is not above crop_min_y, 0 m"},
+                                               FieldViolation{"range_max", "2 m is not above range_min, 3 m"}));
+}
+
+TEST(Options, LeavingPointsOutNeedsNumbersInRange) {
+  const Options options{.crop_min_x = std::nan(""), .crop_max_z = 1e9, .range_min = -1, .support_plane_distance = 0};
+  EXPECT_THAT(
+      violations(options),
+      ElementsAre(Field(&FieldViolation::field, "crop_min_x"), Field(&FieldViolation::field, "crop_max_z"),
+                  Field(&FieldViolation::field, "range_min"), Field(&FieldViolation::field, "support_plane_distance")));
+}
+
+TEST(Options, ARangeNeedsAKnownSensor) {
+  const Options options{.range_min = 1, .range_max = 2};
+  EXPECT_TRUE(check(options, View::camera()).ok());
+  EXPECT_TRUE(check(options, View::world(0, 0, 1)).ok());
+  EXPECT_THAT(std::string(check(options, View::world()).message()),
+              testing::AllOf(HasSubstr("range_min: the cloud has a WORLD view"), HasSubstr("range_max: the cloud")));
+  EXPECT_TRUE(check({.crop_min_x = 1, .support_plane_distance = 0.01}, View::world()).ok());
 }
 
 TEST(Methods, HaveNamesThatLeadBackToThem) {
