@@ -16,6 +16,8 @@ struct DecodeLimits {
   std::uint64_t max_points = 64'000'000;
   /// Bytes of one encoded cloud, and of anything decompressed from it.
   std::uint64_t max_bytes = std::uint64_t{4} << 30U;
+  /// Whether Draco may be decoded: its library has known faults with hostile bytes.
+  bool draco = false;
 };
 
 /// Which of the limits above a claim exceeded: for callers that answer it differently from damage.
