@@ -1,13 +1,9 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <bit>
 #include <cstdint>
-#include <limits>
-#include <optional>
-#include <utility>
-#include <vector>
 
+#include "segserve/codec/finite_points.hpp"
 #include "segserve/codec/quantised.hpp"
 #include "segserve/codec/quantised_header.hpp"
 #include "segserve/codec/zstd.hpp"
@@ -16,22 +12,6 @@ namespace segserve::codec {
 namespace {
 
 using Bytes = const std::uint8_t*;
-
-/// The indices of the finite points; nullopt unless the bitmap has as many as the header says, and no bit beyond the
-/// last point.
-std::optional<std::vector<std::uint32_t>> finite_points(const QuantisedHeader& header, Bytes bitmap) {
-  std::vector<std::uint32_t> indices;
-  indices.reserve(header.finite);
-  for (std::size_t byte = 0; byte < header.bitmap_bytes(); ++byte) {
-    for (unsigned bits = bitmap[byte]; bits != 0; bits &= bits - 1) {
-      const std::size_t i = 8 * byte + static_cast<unsigned>(std::countr_zero(bits));
-      if (i >= header.points() || indices.size() == header.finite) return std::nullopt;
-      indices.push_back(static_cast<std::uint32_t>(i));
-    }
-  }
-  if (indices.size() != header.finite) return std::nullopt;
-  return indices;
-}
 
 /// Coordinate k of one axis: the middle of its cell.
 template <unsigned kPlanes, typename Put>
@@ -87,17 +67,6 @@ void read_points(const QuantisedHeader& header, Bytes planes, At at, Cloud& clou
               [out = cloud.rgb.data(), at](std::size_t k, std::uint32_t rgb) { out[at(k)] = rgb; });
 }
 
-Cloud empty_cloud(const QuantisedHeader& header, const View& view) {
-  constexpr float kNoPoint = std::numeric_limits<float>::quiet_NaN();
-  Cloud cloud;
-  cloud.width = header.width;
-  cloud.height = header.height;
-  cloud.view = view;
-  cloud.rgb.resize(header.has_color ? header.points() : 0);
-  for (std::vector<float>* axis : {&cloud.x, &cloud.y, &cloud.z}) axis->assign(header.points(), kNoPoint);
-  return cloud;
-}
-
 }  // namespace
 
 absl::StatusOr<QuantisedCloud> decode_quantised(std::string_view bytes, const View& view, const DecodeLimits& limits) {
@@ -108,14 +77,15 @@ absl::StatusOr<QuantisedCloud> decode_quantised(std::string_view bytes, const Vi
   if (!body.ok()) return body.status();
 
   const auto* data = reinterpret_cast<Bytes>(body->data());
-  QuantisedCloud decoded{empty_cloud(*header, view), header->error_bound};
+  QuantisedCloud decoded{cloud_of_nothing(header->width, header->height, header->has_color, view), header->error_bound};
   if (!header->has_bitmap()) {
     if (header->finite > 0)
       read_points(
           *header, data, [](std::size_t k) { return k; }, decoded.cloud);
     return decoded;
   }
-  const auto finite = finite_points(*header, data);
+  const auto finite =
+      read_bitmap(std::string_view(*body).substr(0, header->bitmap_bytes()), header->points(), header->finite);
   if (!finite) {
     return absl::InvalidArgumentError(
         fmt::format("quantised cloud: the bitmap does not have {} of {} points", header->finite, header->points()));

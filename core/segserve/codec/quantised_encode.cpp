@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "segserve/codec/finite_points.hpp"
 #include "segserve/codec/quantised.hpp"
 #include "segserve/codec/quantised_header.hpp"
 #include "segserve/codec/zstd.hpp"
@@ -16,18 +17,6 @@ namespace segserve::codec {
 namespace {
 
 constexpr int kZstdLevel = 1;
-
-/// The indices of the finite points, in order.
-std::vector<std::uint32_t> finite_points(const CloudView& cloud) {
-  std::vector<std::uint32_t> indices(cloud.size());
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    indices[count] = static_cast<std::uint32_t>(i);
-    count += is_finite(cloud.x[i], cloud.y[i], cloud.z[i]) ? 1 : 0;
-  }
-  indices.resize(count);
-  return indices;
-}
 
 double largest_magnitude(const CloudView& cloud, std::span<const std::uint32_t> finite) {
   float largest = 0;
@@ -68,10 +57,6 @@ std::uint8_t bytes_needed(std::span<const std::uint32_t> values) {
   std::uint32_t all = 0;
   for (const std::uint32_t value : values) all |= value;
   return static_cast<std::uint8_t>(std::max(1U, (static_cast<unsigned>(std::bit_width(all)) + 7) / 8));
-}
-
-void write_bitmap(std::span<const std::uint32_t> finite, char* out) {
-  for (const std::uint32_t i : finite) out[i / 8] = static_cast<char>(out[i / 8] | 1U << i % 8);
 }
 
 char* write_planes(std::span<const std::uint32_t> values, unsigned planes, char* out) {

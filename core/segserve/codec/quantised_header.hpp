@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
+#include "segserve/codec/finite_points.hpp"
 #include "segserve/codec/limits.hpp"
 
 namespace segserve::codec {
@@ -25,7 +26,7 @@ struct QuantisedHeader {
 
   std::size_t points() const { return std::size_t{width} * height; }
   bool has_bitmap() const { return finite != points(); }
-  std::size_t bitmap_bytes() const { return has_bitmap() ? (points() + 7) / 8 : 0; }
+  std::size_t bitmap_bytes() const { return has_bitmap() ? codec::bitmap_bytes(points()) : 0; }
   /// Of the zstd frame's content: bitmap, planes of the differences, planes of the colours.
   std::size_t body_bytes() const;
 };
