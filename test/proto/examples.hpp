@@ -21,6 +21,22 @@ inline Cloud small_cloud() {
   return cloud;
 }
 
+/// Twelve points in three rows as a pinhole camera sees them, one of them not finite: every codec can encode it.
+inline Cloud small_camera_cloud() {
+  Cloud cloud;
+  cloud.width = 4;
+  cloud.height = 3;
+  cloud.view = View::camera();
+  for (std::uint32_t i = 0; i < 12; ++i) {
+    const float z = i == 6 ? NAN : 1.0F + 0.01F * static_cast<float>(i);
+    cloud.x.push_back((static_cast<float>(i % 4) - 1.5F) / 10 * z);
+    cloud.y.push_back((static_cast<float>(i) / 4 - static_cast<float>(i % 4) / 4 - 1.0F) / 10 * z);
+    cloud.z.push_back(z);
+    cloud.rgb.push_back(0x102030 + i);
+  }
+  return cloud;
+}
+
 /// Three supervoxels: 1 and 2 merged by an edge, then joined with 3.
 inline MergeTree small_tree() {
   return {.leaf_points = {2, 2, 1},

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "fmt/format.h"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/payload/payload.hpp"
 #include "segserve/wire/status.hpp"
 
@@ -42,32 +43,91 @@ std::optional<View> from_message(const v1alpha1::View& message, std::vector<Fiel
   }
 }
 
-std::vector<FieldViolation> violations(const v1alpha1::Cloud& message) {
-  std::vector<FieldViolation> faults;
-  const bool has_view = from_message(message.view(), faults).has_value();
-  switch (message.payload_case()) {
+namespace {
+
+/// Of the fields around a payload.
+struct Needs {
+  const char* name;  ///< of the payload, for people
+  bool shape;
+  bool view;
+};
+
+std::optional<Needs> needs_of(v1alpha1::Cloud::PayloadCase payload) {
+  switch (payload) {
     case v1alpha1::Cloud::kPlanar:
-      if (!has_view && faults.empty()) {
-        faults.push_back({"cloud.view", "missing: a planar cloud needs VIEW_KIND_CAMERA or VIEW_KIND_WORLD"});
-      }
-      if (message.width() == 0) faults.push_back({"cloud.width", "0: a planar cloud needs at least one point"});
-      if (message.height() == 0) faults.push_back({"cloud.height", "0: a planar cloud needs at least one row"});
-      break;
+      return Needs{"a planar cloud", true, true};
+    case v1alpha1::Cloud::kStrided:
+      return Needs{"a strided cloud", true, true};
+    case v1alpha1::Cloud::kQuantised:
+      return Needs{"a quantised cloud", false, true};
+    case v1alpha1::Cloud::kDraco:
+      return Needs{"a Draco cloud", true, true};
     case v1alpha1::Cloud::kPcdFile:
-      break;
-    default:
-      faults.push_back({"cloud.payload", "missing or of a kind that this server does not know"});
+    case v1alpha1::Cloud::kRgbd:
+      return Needs{"", false, false};
+    case v1alpha1::Cloud::PAYLOAD_NOT_SET:
       break;
   }
+  return std::nullopt;
+}
+
+void check_error_bound(const v1alpha1::Cloud& message, std::vector<FieldViolation>& faults) {
+  const double bound = message.error_bound();
+  if (!std::isfinite(bound) || bound < 0) {
+    faults.push_back({"cloud.error_bound", fmt::format("{} is not a finite number of metres", bound)});
+  } else if (message.has_quantised() && bound == 0) {
+    faults.push_back({"cloud.error_bound", "missing: a quantised cloud declares it"});
+  }
+}
+
+}  // namespace
+
+std::vector<FieldViolation> violations(const v1alpha1::Cloud& message) {
+  std::vector<FieldViolation> faults;
+  const std::optional<View> view = from_message(message.view(), faults);
+  const std::optional<Needs> needs = needs_of(message.payload_case());
+  if (!needs) {
+    faults.push_back({"cloud.payload", "missing or of a kind that this server does not know"});
+    return faults;
+  }
+  if (needs->view && !view && faults.empty()) {
+    faults.push_back({"cloud.view", fmt::format("missing: {} needs VIEW_KIND_CAMERA or VIEW_KIND_WORLD", needs->name)});
+  }
+  if (message.has_rgbd() && view && *view != View::camera()) {
+    faults.push_back({"cloud.view.kind", "RGB-D images are VIEW_KIND_CAMERA"});
+  }
+  if (needs->shape && message.width() == 0) {
+    faults.push_back({"cloud.width", fmt::format("0: {} needs at least one point", needs->name)});
+  }
+  if (needs->shape && message.height() == 0) {
+    faults.push_back({"cloud.height", fmt::format("0: {} needs at least one row", needs->name)});
+  }
+  check_error_bound(message, faults);
   return faults;
 }
 
 absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits) {
   if (const absl::Status status = invalid_fields(violations(message)); !status.ok()) return status;
+  if (const absl::Status status = check_kind(message, limits); !status.ok()) return status;
   std::vector<FieldViolation> faults;  // none: see above
   const std::optional<View> view = from_message(message.view(), faults);
-  if (message.has_planar()) return decode_planar(message, view, limits);
-  return decode_pcd_file(message, view, limits);
+  switch (message.payload_case()) {
+    case v1alpha1::Cloud::kPlanar:
+      return decode_planar(message, view, limits);
+    case v1alpha1::Cloud::kPcdFile:
+      return decode_pcd_file(message, view, limits);
+    case v1alpha1::Cloud::kStrided:
+      return decode_strided(message, view, limits);
+    case v1alpha1::Cloud::kQuantised:
+      return decode_quantised(message, view, limits);
+    case v1alpha1::Cloud::kRgbd:
+      return decode_rgbd(message, view, limits);
+    case v1alpha1::Cloud::kDraco:
+      return decode_draco(message, view, limits);
+    case v1alpha1::Cloud::PAYLOAD_NOT_SET:
+      break;  // violations has refused it
+  }
+  return absl::InternalError("a payload of no kind");
 }
 
 }  // namespace segserve::wire

@@ -56,10 +56,7 @@ absl::StatusOr<DecodedCloud> decode_planar(const v1alpha1::Cloud& message, const
 
 absl::StatusOr<v1alpha1::Cloud> to_planar_message(const CloudView& cloud, v1alpha1::Compression compression) {
   codec::PlanarPlanes planes = codec::encode_planar(cloud);
-  v1alpha1::Cloud message;
-  message.set_width(cloud.width);
-  message.set_height(cloud.height);
-  *message.mutable_view() = to_message(cloud.view);
+  v1alpha1::Cloud message = message_around(cloud);
   v1alpha1::PlanarCloud* planar = message.mutable_planar();
   const auto put = [compression](std::string& plane, v1alpha1::Block* block) {
     absl::StatusOr<v1alpha1::Block> made = to_block(std::move(plane), compression);

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "fmt/format.h"
+#include "segserve/wire/cloud.hpp"
 #include "segserve/wire/status.hpp"
 
 namespace segserve::wire {
@@ -31,6 +32,14 @@ absl::Status check_shape_agrees(const v1alpha1::Cloud& message, const Cloud& clo
   if (!shape_is_given || (message.width() == cloud.width && message.height() == cloud.height)) return absl::OkStatus();
   return invalid_fields({{"cloud.width", fmt::format("{} x {} is said, but {} has {} x {}", message.width(),
                                                      message.height(), what, cloud.width, cloud.height)}});
+}
+
+v1alpha1::Cloud message_around(const CloudView& cloud) {
+  v1alpha1::Cloud message;
+  message.set_width(cloud.width);
+  message.set_height(cloud.height);
+  *message.mutable_view() = to_message(cloud.view);
+  return message;
 }
 
 std::string requested_view_rule(const View& view) {

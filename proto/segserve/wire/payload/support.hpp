@@ -21,6 +21,9 @@ absl::Status check_limits(std::uint64_t points, std::uint64_t bytes, const codec
 /// INVALID_FIELD if the message says a shape and `what` ("the PCD file") has another one.
 absl::Status check_shape_agrees(const v1alpha1::Cloud& message, const Cloud& cloud, std::string_view what);
 
+/// A message with the cloud's shape and view.
+v1alpha1::Cloud message_around(const CloudView& cloud);
+
 /// The rule by which a view was chosen that the request names: for people.
 std::string requested_view_rule(const View& view);
 
