@@ -57,7 +57,7 @@ class ConnectionTest : public testing::Test {
     return absl::IsInternal(event.status());
   }
 
-  Payload payload_ = *planar_payload(flat_cloud(10, 10));  // 400, 400, 400, 300 bytes
+  Payload payload_ = *cloud_payload(flat_cloud(10, 10));  // 400, 400, 400, 300 bytes
   Connection connection_{v1alpha1::StreamOpen()};
 };
 

@@ -5,6 +5,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/status.hpp"
 #include "test/client/scenes.hpp"
@@ -24,24 +25,24 @@ bool is_limit_exceeded(const absl::Status& status) {
 
 TEST(Request, AnOrdinaryFrameIsSentRawUnlessAskedOtherwise) {
   const Cloud frame = flat_cloud(640, 480);
-  const auto raw = planar_request(frame, {}, {});
+  const auto raw = cloud_request(frame, {}, {});
   ASSERT_TRUE(raw.ok()) << raw.status();
   EXPECT_NE(compression_of(*raw), v1alpha1::COMPRESSION_ZSTD);
-  const auto compressed = planar_request(frame, {}, {.compress = Compress::kAlways});
+  const auto compressed = cloud_request(frame, {}, {.compress = Compress::kAlways});
   ASSERT_TRUE(compressed.ok()) << compressed.status();
   EXPECT_EQ(compression_of(*compressed), v1alpha1::COMPRESSION_ZSTD);
   EXPECT_LT(compressed->ByteSizeLong(), raw->ByteSizeLong());
 }
 
 TEST(Request, ALargeCloudIsCompressedByItself) {
-  const auto request = planar_request(flat_cloud(1000, 700), {}, {});
+  const auto request = cloud_request(flat_cloud(1000, 700), {}, {});
   ASSERT_TRUE(request.ok()) << request.status();
   EXPECT_EQ(compression_of(*request), v1alpha1::COMPRESSION_ZSTD);
   EXPECT_LE(request->ByteSizeLong(), wire::kMaxRequestBytes);
 }
 
 TEST(Request, ALargeCloudIsRefusedIfItMustNotBeCompressed) {
-  const auto request = planar_request(flat_cloud(1000, 700), {}, {.compress = Compress::kNever});
+  const auto request = cloud_request(flat_cloud(1000, 700), {}, {.compress = Compress::kNever});
   EXPECT_TRUE(is_limit_exceeded(request.status())) << request.status();
   EXPECT_THAT(std::string(request.status().message()), HasSubstr("10500000 bytes"));
 }
@@ -50,19 +51,33 @@ TEST(Request, NothingAboveTheLimitPasses) {
   // Around the limit the few bytes around the planes decide; 15 bytes make a point.
   const auto most = static_cast<std::uint32_t>(wire::kMaxRequestBytes / 15);
   for (const std::uint32_t points : {most - 100, most - 1, most, most + 1}) {
-    const auto request = planar_request(incompressible_cloud(points), {}, {.compress = Compress::kNever});
+    const auto request = cloud_request(incompressible_cloud(points), {}, {.compress = Compress::kNever});
     EXPECT_EQ(request.ok(), points == most - 100) << points;
     EXPECT_EQ(is_limit_exceeded(request.status()), !request.ok()) << request.status();
-    const auto compressed = planar_request(incompressible_cloud(points), {}, {});
+    const auto compressed = cloud_request(incompressible_cloud(points), {}, {});
     ASSERT_TRUE(compressed.ok()) << compressed.status();
     EXPECT_LE(compressed->ByteSizeLong(), wire::kMaxRequestBytes);
   }
-  EXPECT_TRUE(is_limit_exceeded(planar_request(incompressible_cloud(2 * most), {}, {}).status()));
+  EXPECT_TRUE(is_limit_exceeded(cloud_request(incompressible_cloud(2 * most), {}, {}).status()));
 }
 
-TEST(Request, APcdFileAboveTheLimitIsRefused) {
-  EXPECT_TRUE(pcd_request(std::string(1000, ' '), std::nullopt, {}, {}).ok());
-  const auto request = pcd_request(std::string(wire::kMaxRequestBytes, ' '), std::nullopt, {}, {});
+TEST(Request, UsesTheCodecThatIsAskedFor) {
+  const auto request =
+      cloud_request(flat_cloud(8, 8), {}, {.codec = wire::CodecOptions{wire::Codec::kQuantised, 0.002}});
+  ASSERT_TRUE(request.ok()) << request.status();
+  EXPECT_TRUE(request->cloud().has_quantised());
+  EXPECT_EQ(request->cloud().error_bound(), 0.002);
+}
+
+TEST(Request, ACodecIsNotExchangedForAnother) {
+  const auto request = cloud_request(flat_cloud(1000, 700), {}, {.codec = wire::CodecOptions{wire::Codec::kStrided}});
+  EXPECT_TRUE(is_limit_exceeded(request.status())) << request.status();
+}
+
+TEST(Request, APayloadAboveTheLimitIsRefused) {
+  const auto file = [](std::size_t bytes) { return pcd_payload(std::string(bytes, ' ')); };
+  EXPECT_TRUE(payload_request(file(1000), {}, {}).ok());
+  const auto request = payload_request(file(wire::kMaxRequestBytes), {}, {});
   EXPECT_TRUE(is_limit_exceeded(request.status())) << request.status();
 }
 
@@ -70,12 +85,12 @@ TEST(Request, PlanesThatDoNotFitEachOtherAreRefused) {
   const Cloud cloud = flat_cloud(8, 8);
   CloudView torn = cloud;
   torn.y = torn.y.first(60);
-  EXPECT_TRUE(absl::IsInvalidArgument(planar_request(torn, {}, {}).status()));
-  EXPECT_TRUE(absl::IsInvalidArgument(planar_request(CloudView{}, {}, {}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(cloud_request(torn, {}, {}).status()));
+  EXPECT_TRUE(absl::IsInvalidArgument(cloud_request(CloudView{}, {}, {}).status()));
 }
 
 TEST(Request, CarriesTheCallersName) {
-  const auto request = planar_request(flat_cloud(8, 8), {}, {.request_id = "robot-7/42"});
+  const auto request = cloud_request(flat_cloud(8, 8), {}, {.request_id = "robot-7/42"});
   ASSERT_TRUE(request.ok()) << request.status();
   EXPECT_EQ(request->request_id(), "robot-7/42");
 }

@@ -22,7 +22,7 @@ using Response = v1alpha1::SegmentStreamResponse;
 class Bench {
  public:
   explicit Bench(StreamOptions options = {}, std::vector<std::string> addresses = {"a", "b"})
-      : core_(options, std::move(addresses), 0, 1), payload_(*planar_payload(flat_cloud(10, 10))) {}
+      : core_(options, std::move(addresses), 0, 1), payload_(*cloud_payload(flat_cloud(10, 10))) {}
 
   std::uint64_t send(FrameOptions options = {}) { return core_.accept(payload_, std::move(options), now_); }
 

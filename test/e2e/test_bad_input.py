@@ -16,7 +16,7 @@ class BadInput(EndToEnd):
     def ways(self):
         """Every way a cloud can take."""
         server = ("--server", self.server.address)
-        return {"local": ("--local",), "planar": server, "zstd": (*server, "--zstd"), "pcd": (*server, "--payload", "pcd")}
+        return {"local": ("--local",), "planar": server, "zstd": (*server, "--zstd"), "pcd": (*server, "--codec", "pcd")}
 
     def refuse(self, content, *flags, ways=None, saying=""):
         """No way accepts the content; afterwards the same server process segments a good scene."""

@@ -46,6 +46,14 @@ class Bench(EndToEnd):
         self.assertIn("p50<1us: MISSED", done.stdout.decode())
         self.assertRegex(done.stderr.decode(), r"\Asegctl: missed: p50<1us \(reached [0-9.]+\)\n\Z")
 
+    def test_frames_of_a_lossy_codec_are_verified_as_the_server_decodes_them(self):
+        for codec in ("quantised", "rgbd"):
+            with self.subTest(codec=codec):
+                done = self.run_well(*self.bench("--codec", codec, "--duration", "0.5", "--verify", "--json", "-"))
+                told = json.loads(done.stdout)
+                self.assertEqual((told["verified"], told["mismatches"]), (told["frames"]["results"], 0))
+                self.assertGreater(told["verified"], 0)
+
     def test_files_are_frames_too(self):
         scene = self.synth("--width", "160", "--height", "120")
         done = self.run_well("bench", "--server", self.server.address, "--input", scene, "--duration", "0.5",

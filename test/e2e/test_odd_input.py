@@ -18,7 +18,7 @@ class OddInput(EndToEnd):
         scene.write_bytes(content)
         labels, told = self.segment_locally(scene, *flags)
         for payload in ("planar", "pcd"):
-            self.assertEqual(self.segment(scene, "--payload", payload, *flags)[0], labels)
+            self.assertEqual(self.segment(scene, "--codec", payload, *flags)[0], labels)
         self.assertEqual(told["segments"], max(labels))
         return labels
 

@@ -12,7 +12,7 @@ class RealScene(EndToEnd):
         for scene in (SCENES[0], SCENES[-1]):
             files = []
             for where in (("--local",), ("--server", self.server.address),
-                          ("--server", self.server.address, "--payload", "pcd")):
+                          ("--server", self.server.address, "--codec", "pcd")):
                 output = self.path("labelled.pcd")
                 self.run_well("segment", scene, "-q", "-o", output, *where)
                 files.append(output.read_bytes())

@@ -19,7 +19,7 @@ class LocalAndRemote(EndToEnd):
     def test_give_the_same_files_byte_for_byte(self):
         scene = self.synth("--seed", "11")
         local = self.outputs(scene, "--local")
-        for payload in ((), ("--zstd",), ("--payload", "pcd")):
+        for payload in ((), ("--zstd",), ("--codec", "pcd")):
             with self.subTest(payload=payload):
                 self.assertEqual(self.outputs(scene, "--server", self.server.address, *payload), local)
 
@@ -153,7 +153,7 @@ class Summary(EndToEnd):
         scene = self.synth(*SMALL)
         self.assertEqual(self.segment(scene, "--view", "world:0,0,-0.5")[1]["view"], "world:0,0,-0.5")
         for payload in ("planar", "pcd"):
-            self.assertIn("CAMERA", self.segment(scene, "--payload", payload)[1]["view_rule"])
+            self.assertIn("CAMERA", self.segment(scene, "--codec", payload)[1]["view_rule"])
 
 
 if __name__ == "__main__":

@@ -39,7 +39,9 @@ TEST(ServerInfo, TellsTheLimitsOfThisServer) {
   EXPECT_EQ(info.limits().max_decoded_bytes(), 56'789U);
   EXPECT_EQ(info.limits().max_message_bytes(), wire::kMaxRequestBytes);
   EXPECT_THAT(info.payload_kinds(),
-              testing::ElementsAre(v1alpha1::PAYLOAD_KIND_PLANAR, v1alpha1::PAYLOAD_KIND_PCD_FILE));
+              testing::ElementsAre(v1alpha1::PAYLOAD_KIND_PLANAR, v1alpha1::PAYLOAD_KIND_PCD_FILE,
+                                   v1alpha1::PAYLOAD_KIND_STRIDED, v1alpha1::PAYLOAD_KIND_QUANTISED,
+                                   v1alpha1::PAYLOAD_KIND_RGBD));
   EXPECT_THAT(info.compressions(), testing::ElementsAre(v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD));
 }
 

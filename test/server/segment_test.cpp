@@ -1,7 +1,9 @@
 #include <string>
 
 #include "gmock/gmock.h"
+#include "segserve/codec/draco.hpp"
 #include "segserve/codec/pcd.hpp"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/options.hpp"
 #include "segserve/wire/result.hpp"
 #include "test/server/running_server.hpp"
@@ -51,6 +53,38 @@ TEST(Segment, EveryPayloadGivesTheLabelsOfALocalRun) {
     SCOPED_TRACE(request.cloud().payload_case());
     expect_equal(ask(server, request, cloud.size()).segmentation, local);
   }
+}
+
+/// Labels are in the order of the points that were sent, with points that are not finite in between.
+TEST(Segment, EveryCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
+  ServerOptions options = small_server();
+  options.enable_draco = true;
+  RunningServer server(options);
+  const Cloud cloud = wall_with_box();
+  for (const wire::CodecInfo& codec : wire::codecs()) {
+    SCOPED_TRACE(codec.name);
+    v1alpha1::SegmentRequest request;
+    *request.mutable_cloud() = wire::to_message(cloud, {.codec = codec.codec}).value();
+    const Cloud decoded = wire::decode_cloud(request.cloud(), {.draco = true}).value().cloud;
+    const Segmentation local = segment(decoded, {}).value();
+    ASSERT_GE(local.segments, 2U);
+    const wire::Result result = ask(server, request, cloud.size());
+    expect_equal(result.segmentation, local);
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      const bool finite = is_finite(cloud.x[i], cloud.y[i], cloud.z[i]);
+      ASSERT_EQ(result.segmentation.labels[i] != 0, finite) << "point " << i;
+    }
+  }
+}
+
+TEST(Segment, DracoIsRefusedUnlessTheServerEnablesIt) {
+  if (!codec::draco_is_built()) GTEST_SKIP() << "built without Draco";
+  RunningServer server;
+  v1alpha1::SegmentRequest request;
+  *request.mutable_cloud() = wire::to_message(wall_with_box(), {.codec = wire::Codec::kDraco}).value();
+  const absl::Status status = server.segment(request).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(status.message()), testing::HasSubstr("cloud.draco: not enabled here; enabled are planar"));
 }
 
 TEST(Segment, EveryMethodAndCutGivesTheLabelsOfALocalRun) {

@@ -38,7 +38,7 @@ absl::StatusOr<Result> or_else(absl::StatusOr<Result> streamed, const absl::Stat
   return streamed;
 }
 
-/// For a PCD file the server has counted the points.
+/// Of an encoded payload the server has counted the points.
 std::size_t claimed_points(const v1alpha1::SegmentResponse& response) { return response.result().summary().points(); }
 
 }  // namespace
@@ -87,11 +87,12 @@ bool Client::is_worth_another(const absl::Status& status, std::uint32_t tries, c
 
 absl::StatusOr<Stream> Client::open_stream(StreamOptions options) const {
   if (absl::Status status = wire::invalid_fields(violations(options)); !status.ok()) return status;
-  return Stream(std::make_shared<StreamDriver>(channels_, std::move(options)));
+  const wire::CodecOptions codec = options.codec;
+  return Stream(std::make_shared<StreamDriver>(channels_, std::move(options)), codec);
 }
 
 absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& options, const CallOptions& call) const {
-  const auto request = planar_request(cloud, options, call);
+  const auto request = cloud_request(cloud, options, call);
   if (request.ok()) {
     auto result = call_segment(*request, call, cloud.size());
     if (!is_local_turn(result.status())) return result;
@@ -99,24 +100,28 @@ absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& op
   }
   if (!is_too_large(request.status())) return request.status();
   const bool compress = call.compress != Compress::kNever;
-  auto payload = planar_payload(cloud, compress ? v1alpha1::COMPRESSION_ZSTD : v1alpha1::COMPRESSION_NONE);
+  const wire::CodecOptions planar{.codec = compress ? wire::Codec::kPlanarZstd : wire::Codec::kPlanar};
+  auto payload = cloud_payload(cloud, call.codec.value_or(planar));
   if (!payload.ok()) return payload.status();
   return or_else(stream_one(*std::move(payload), options, call), request.status());
 }
 
-absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::optional<View> view,
-                                                const Options& options, const CallOptions& call) const {
-  const auto request = pcd_request(file_bytes, view, options, call);
-  if (!request.ok()) {
-    return or_else(stream_one(pcd_payload(std::move(file_bytes), view), options, call), request.status());
-  }
+absl::StatusOr<Result> Client::segment_payload(const Payload& payload, const Options& options,
+                                               const CallOptions& call) const {
+  const auto request = payload_request(payload, options, call);
+  if (!request.ok()) return or_else(stream_one(payload, options, call), request.status());
   auto result = call_segment(*request, call, std::nullopt);
   if (!is_local_turn(result.status())) return result;
-  return segment_here(Payload(request->cloud()), options, StopToken());
+  return segment_here(payload, options, StopToken());
 }
 
 bool Client::is_local_turn(const absl::Status& status) const {
   return options_.fallback_to_local && absl::IsUnavailable(status);
+}
+
+absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::optional<View> view,
+                                                const Options& options, const CallOptions& call) const {
+  return segment_payload(pcd_payload(std::move(file_bytes), view), options, call);
 }
 
 absl::StatusOr<Result> Client::call_segment(const v1alpha1::SegmentRequest& request, const CallOptions& call,

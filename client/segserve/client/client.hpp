@@ -17,6 +17,7 @@
 #include "segserve/options/options.hpp"
 #include "segserve/v1alpha1/segmentation_service.pb.h"
 #include "segserve/v1alpha1/server_info.pb.h"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/request.hpp"
 #include "segserve/wire/result.hpp"
 
@@ -57,6 +58,8 @@ struct CallOptions {
   std::optional<std::chrono::milliseconds> timeout = std::nullopt;  ///< unset: ClientOptions::timeout
   std::string request_id = {};                                      ///< for the server's logs; at most 256 bytes
   Compress compress = Compress::kWhenTooLarge;
+  /// How a cloud is sent; unset: planar, compressed as `compress` says.
+  std::optional<wire::CodecOptions> codec = std::nullopt;
   /// Which arrays the answer holds. With supervoxels and tree any cut can be made later without the
   /// server: cut_at_threshold, cut_to_regions, label_points of segserve::core.
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
@@ -82,12 +85,15 @@ class Client {
   /// make no sense.
   absl::StatusOr<Stream> open_stream(StreamOptions options = {}) const;
 
-  /// Segments a cloud, sent as planar raw in its own view; over a stream if it is too large for one message.
+  /// Segments a cloud in its own view, sent as `call` says; over a stream if it is too large for one message.
   absl::StatusOr<Result> segment(const CloudView& cloud, const Options& options = {},
                                  const CallOptions& call = {}) const;
 
-  /// Segments a PCD file, sent as it is. Without a view the rule of codec::decode_pcd applies;
-  /// `compress` has no meaning here.
+  /// The same for a cloud that is encoded already; `compress` and `codec` have no meaning here.
+  absl::StatusOr<Result> segment_payload(const Payload& payload, const Options& options = {},
+                                         const CallOptions& call = {}) const;
+
+  /// The same for a PCD file, sent as it is. Without a view the rule of codec::decode_pcd applies.
   absl::StatusOr<Result> segment_pcd_file(std::string file_bytes, std::optional<View> view = std::nullopt,
                                           const Options& options = {}, const CallOptions& call = {}) const;
 

@@ -30,9 +30,9 @@ v1alpha1::Cloud Payload::message() const {
   return message;
 }
 
-absl::StatusOr<Payload> planar_payload(const CloudView& cloud, v1alpha1::Compression compression) {
+absl::StatusOr<Payload> cloud_payload(const CloudView& cloud, const wire::CodecOptions& codec) {
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
-  auto message = wire::to_planar_message(cloud, compression);
+  auto message = wire::to_message(cloud, codec);
   if (!message.ok()) return message.status();
   const std::uint64_t point_bytes = 3 * sizeof(float) + (cloud.has_color() ? 3 : 0);
   return Payload(*std::move(message), cloud.size(), cloud.size() * point_bytes);
@@ -42,8 +42,14 @@ Payload pcd_payload(std::string file_bytes, std::optional<View> view) {
   return Payload(wire::to_pcd_message(std::move(file_bytes), view));
 }
 
+Payload rgbd_payload(codec::RgbdFiles images) {
+  v1alpha1::Cloud message = wire::to_rgbd_message(std::move(images));
+  const std::uint64_t points = std::uint64_t{message.width()} * message.height();
+  return Payload(std::move(message), points);
+}
+
 absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload) {
-  auto decoded = wire::decode_cloud(payload.message(), codec::DecodeLimits{});
+  auto decoded = wire::decode_cloud(payload.message(), {.draco = true});
   if (!decoded.ok()) return decoded.status();
   return codec::LabelledCloud{std::move(decoded->cloud), {}, std::move(decoded->view_rule)};
 }

@@ -10,7 +10,9 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/v1alpha1/cloud.pb.h"
+#include "segserve/wire/codec.hpp"
 
 namespace segserve::client {
 
@@ -44,12 +46,15 @@ class Payload {
   std::shared_ptr<const Data> data_ = std::make_shared<const Data>();
 };
 
-/// The cloud as planar raw, without loss. INVALID_ARGUMENT if its planes do not fit each other.
-absl::StatusOr<Payload> planar_payload(const CloudView& cloud,
-                                       v1alpha1::Compression compression = v1alpha1::COMPRESSION_NONE);
+/// The cloud in its own view; by default as planar raw. INVALID_ARGUMENT if its planes do not fit each other, or the
+/// codec cannot encode it.
+absl::StatusOr<Payload> cloud_payload(const CloudView& cloud, const wire::CodecOptions& codec = {});
 
 /// A PCD file as it is. The view, if given, overrides the file's.
 Payload pcd_payload(std::string file_bytes, std::optional<View> view = std::nullopt);
+
+/// The images of an RGB-D camera as they are.
+Payload rgbd_payload(codec::RgbdFiles images);
 
 /// The cloud that a server makes of the payload, and by which rule it chose the view.
 absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload);

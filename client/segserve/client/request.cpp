@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "segserve/wire/cloud.hpp"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/options.hpp"
 #include "segserve/wire/status.hpp"
@@ -38,9 +38,9 @@ std::uint64_t raw_bytes(const CloudView& cloud) {
   return std::uint64_t{cloud.size()} * (3 * sizeof(float) + (cloud.has_color() ? 3 : 0));
 }
 
-absl::StatusOr<v1alpha1::SegmentRequest> encode_planar(const CloudView& cloud, v1alpha1::Compression compression,
-                                                       const Options& options, const CallOptions& call) {
-  absl::StatusOr<v1alpha1::Cloud> message = wire::to_planar_message(cloud, compression);
+absl::StatusOr<v1alpha1::SegmentRequest> encode(const CloudView& cloud, const wire::CodecOptions& codec,
+                                                const Options& options, const CallOptions& call) {
+  absl::StatusOr<v1alpha1::Cloud> message = wire::to_message(cloud, codec);
   if (!message.ok()) return message.status();
   v1alpha1::SegmentRequest request = request_without_cloud(options, call);
   *request.mutable_cloud() = *std::move(message);
@@ -49,27 +49,28 @@ absl::StatusOr<v1alpha1::SegmentRequest> encode_planar(const CloudView& cloud, v
 
 }  // namespace
 
-absl::StatusOr<v1alpha1::SegmentRequest> planar_request(const CloudView& cloud, const Options& options,
-                                                        const CallOptions& call) {
+absl::StatusOr<v1alpha1::SegmentRequest> cloud_request(const CloudView& cloud, const Options& options,
+                                                       const CallOptions& call) {
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
+  if (call.codec) return checked(encode(cloud, *call.codec, options, call), "the request has");
   if (call.compress != Compress::kAlways) {
     absl::Status raw = check_size(raw_bytes(cloud), "the cloud, not compressed, has");
     if (raw.ok()) {
-      auto request = checked(encode_planar(cloud, v1alpha1::COMPRESSION_NONE, options, call), "the request has");
+      auto request = checked(encode(cloud, {.codec = wire::Codec::kPlanar}, options, call), "the request has");
       if (request.ok()) return request;
       raw = request.status();
     }
     if (call.compress == Compress::kNever) return raw;
   }
-  return checked(encode_planar(cloud, v1alpha1::COMPRESSION_ZSTD, options, call),
+  return checked(encode(cloud, {.codec = wire::Codec::kPlanarZstd}, options, call),
                  "the request, with the cloud compressed, has");
 }
 
-absl::StatusOr<v1alpha1::SegmentRequest> pcd_request(std::string file_bytes, std::optional<View> view,
-                                                     const Options& options, const CallOptions& call) {
-  if (absl::Status size = check_size(file_bytes.size(), "the PCD file has"); !size.ok()) return size;
+absl::StatusOr<v1alpha1::SegmentRequest> payload_request(const Payload& payload, const Options& options,
+                                                         const CallOptions& call) {
+  if (absl::Status size = check_size(payload.bytes(), "the payload has"); !size.ok()) return size;
   v1alpha1::SegmentRequest request = request_without_cloud(options, call);
-  *request.mutable_cloud() = wire::to_pcd_message(std::move(file_bytes), view);
+  *request.mutable_cloud() = payload.message();
   return checked(std::move(request), "the request has");
 }
 

@@ -1,20 +1,17 @@
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "absl/status/statusor.h"
 #include "segserve/client/client.hpp"
 
 namespace segserve::client {
 
-/// The request for a cloud, compressed as `call` says. INVALID_ARGUMENT if it exceeds
-/// wire::kMaxRequestBytes even so, or the cloud's planes do not fit each other.
-absl::StatusOr<v1alpha1::SegmentRequest> planar_request(const CloudView& cloud, const Options& options,
-                                                        const CallOptions& call);
+/// The request for a cloud, encoded and compressed as `call` says. INVALID_ARGUMENT if it exceeds
+/// wire::kMaxRequestBytes even so, the cloud's planes do not fit each other, or the codec cannot encode it.
+absl::StatusOr<v1alpha1::SegmentRequest> cloud_request(const CloudView& cloud, const Options& options,
+                                                       const CallOptions& call);
 
-/// The same for a PCD file.
-absl::StatusOr<v1alpha1::SegmentRequest> pcd_request(std::string file_bytes, std::optional<View> view,
-                                                     const Options& options, const CallOptions& call);
+/// The same for a cloud that is encoded already.
+absl::StatusOr<v1alpha1::SegmentRequest> payload_request(const Payload& payload, const Options& options,
+                                                         const CallOptions& call);
 
 }  // namespace segserve::client

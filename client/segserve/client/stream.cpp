@@ -42,7 +42,10 @@ std::vector<FieldViolation> violations(const StreamOptions& options) {
   return faults;
 }
 
-Stream::Stream(std::shared_ptr<StreamDriver> driver) : driver_(std::move(driver)) { driver_->start(); }
+Stream::Stream(std::shared_ptr<StreamDriver> driver, const wire::CodecOptions& codec)
+    : driver_(std::move(driver)), codec_(codec) {
+  driver_->start();
+}
 
 Stream::~Stream() {
   if (driver_) driver_->stop();
@@ -51,12 +54,13 @@ Stream::~Stream() {
 Stream& Stream::operator=(Stream&& other) noexcept {
   if (driver_ && driver_ != other.driver_) driver_->stop();
   driver_ = std::move(other.driver_);
+  codec_ = other.codec_;
   return *this;
 }
 
 absl::StatusOr<std::uint64_t> Stream::send(const CloudView& cloud, FrameOptions options) {
   if (!options.captured) options.captured = Clock::now();
-  auto payload = planar_payload(cloud);
+  auto payload = cloud_payload(cloud, codec_);
   if (!payload.ok()) return payload.status();
   return send(*std::move(payload), std::move(options));
 }

@@ -24,7 +24,7 @@ class StreamDriver;
 /// has sent max_in_flight + max_waiting more frames, or send() waits for it in vain.
 class Stream {
  public:
-  explicit Stream(std::shared_ptr<StreamDriver> driver);
+  Stream(std::shared_ptr<StreamDriver> driver, const wire::CodecOptions& codec);
   Stream(Stream&&) noexcept = default;
   Stream& operator=(Stream&& other) noexcept;
   Stream(const Stream&) = delete;
@@ -52,6 +52,7 @@ class Stream {
 
  private:
   std::shared_ptr<StreamDriver> driver_;
+  wire::CodecOptions codec_;
 };
 
 }  // namespace segserve::client

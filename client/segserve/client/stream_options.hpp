@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "segserve/client/frame.hpp"
+#include "segserve/wire/codec.hpp"
 
 namespace segserve::client {
 
@@ -35,8 +36,9 @@ struct RetryOptions {
 };
 
 struct StreamOptions {
-  std::string client_name = {};  ///< for the server's logs; at most 256 bytes
-  Options options = {};          ///< of frames that have none of their own
+  std::string client_name = {};   ///< for the server's logs; at most 256 bytes
+  Options options = {};           ///< of frames that have none of their own
+  wire::CodecOptions codec = {};  ///< how clouds are sent
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
   Order order = Order::kSent;
   WhenBehind when_behind = WhenBehind::kBlock;

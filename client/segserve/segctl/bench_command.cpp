@@ -14,6 +14,7 @@
 #include "segserve/bench/report.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/segctl/bench_summary.hpp"
+#include "segserve/segctl/codec_flags.hpp"
 #include "segserve/segctl/command.hpp"
 #include "segserve/segctl/input_file.hpp"
 #include "segserve/segctl/option_flags.hpp"
@@ -57,7 +58,7 @@ struct Arguments {
   std::vector<std::string> inputs;
   std::string size = "640x480";
   std::size_t scenes = 4;
-  std::string codec = "planar";
+  CodecFlags codec;
   bool encoded_beforehand = false;
   bool verify = false;
   std::vector<std::string> outputs{"labels"};
@@ -104,10 +105,7 @@ void add_flags(CLI::App& app, Arguments& a) {
       ->excludes(inputs)
       ->group("Frames");
   app.add_option("--seed", a.seed, "of synthetic frames and random arrivals")->capture_default_str()->group("Frames");
-  app.add_option("--codec", a.codec, "how frames are encoded")
-      ->check(CLI::IsMember({"planar", "planar-zstd"}))
-      ->capture_default_str()
-      ->group("Frames");
+  a.codec.add_to(app, "default: planar", "Frames");
   app.add_flag("--encoded-beforehand", a.encoded_beforehand, "encode every frame once, before the run")
       ->group("Frames");
   app.add_option("--outputs", a.outputs, "what the answers hold: labels, supervoxels, tree")
@@ -176,6 +174,9 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
     return std::ranges::find(arguments.outputs, name) != arguments.outputs.end();
   };
   load.stream.outputs = {.labels = wants("labels"), .supervoxels = wants("supervoxels"), .tree = wants("tree")};
+  const auto codec = arguments.codec.options();
+  if (!codec.ok()) return codec.status();
+  load.stream.outputs.compression = answer_compression(*codec);
   if (arguments.verify && !load.stream.outputs.labels) {
     return absl::InvalidArgumentError("--verify needs labels among --outputs");
   }
@@ -197,9 +198,12 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
 absl::StatusOr<bench::FrameSource> frame_source(const Arguments& arguments) {
   auto clouds = arguments.inputs.empty() ? make_scenes(arguments) : load_files(arguments.inputs);
   if (!clouds.ok()) return clouds.status();
-  const auto compression = arguments.codec == "planar-zstd" ? v1alpha1::COMPRESSION_ZSTD : v1alpha1::COMPRESSION_NONE;
-  return bench::FrameSource{
-      *std::move(clouds), [compression](const CloudView& cloud) { return client::planar_payload(cloud, compression); }};
+  const auto codec = arguments.codec.options();
+  if (!codec.ok()) return codec.status();
+  return bench::FrameSource{*std::move(clouds),
+                            [options = codec->value_or(wire::CodecOptions{})](const CloudView& cloud) {
+                              return client::cloud_payload(cloud, options);
+                            }};
 }
 
 absl::StatusOr<std::vector<bench::Objective>> objectives(const Arguments& arguments) {
@@ -254,7 +258,10 @@ absl::Status run(const Arguments& arguments) {
         bench::run_load(*load, *source, [&bar](double share) { bar.show(static_cast<std::size_t>(share * 100), 100); });
   }
   if (!report.ok()) return report.status();
-  const BenchSummary summary{*report, *load, *wanted, arguments.server.address(), arguments.codec};
+  const auto codec = arguments.codec.options();
+  if (!codec.ok()) return codec.status();
+  const wire::CodecInfo& codec_info = wire::info(codec->value_or(wire::CodecOptions{}).codec);
+  const BenchSummary summary{*report, *load, *wanted, arguments.server.address(), std::string(codec_info.name)};
   if (!arguments.json_path.empty()) output.add(arguments.json_path, to_json(summary).dump() + "\n");
   if (!output.uses_stdout()) output.add("-", to_text(summary));
   if (absl::Status status = output.commit(); !status.ok()) return status;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -6,6 +7,7 @@
 #include "segserve/segctl/command.hpp"
 #include "segserve/segctl/server_flags.hpp"
 #include "segserve/segctl/staged_output.hpp"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/options.hpp"
 
 namespace segserve::segctl {
@@ -46,6 +48,16 @@ Json limits_json(const v1alpha1::Limits& limits) {
           {"max_queue_points", limits.max_queue_points()}};
 }
 
+/// Those of this program that the server can decode.
+Json codecs_json(const client::ServerInfo& info) {
+  Json list = Json::array();
+  for (const wire::CodecInfo& codec : wire::codecs()) {
+    if (std::ranges::find(info.payload_kinds(), codec.kind) == info.payload_kinds().end()) continue;
+    list.push_back({{"name", codec.name}, {"lossless", codec.is_lossless}, {"description", codec.description}});
+  }
+  return list;
+}
+
 Json option_json(const v1alpha1::OptionInfo& option) {
   return {{"name", option.name()},
           {"unit", option.unit()},
@@ -75,6 +87,7 @@ Json to_json(const client::ServerInfo& info) {
     const auto text = v1alpha1::Compression_Name(static_cast<v1alpha1::Compression>(compression));
     json["compressions"].push_back(short_name(text, "COMPRESSION_"));
   }
+  json["codecs"] = codecs_json(info);
   json["limits"] = limits_json(info.limits());
   json["default_method"] = default_method(info);
   json["methods"] = Json::array();
@@ -97,6 +110,10 @@ std::string to_text(const Json& json, const std::string& address) {
   };
   std::string text = fmt::format("{}: segserve {}\n", address, json["version"].get<std::string>());
   text += fmt::format("payloads: {}; compressions: {}\n", words(json["payload_kinds"]), words(json["compressions"]));
+  text += "codecs:\n";
+  for (const Json& codec : json["codecs"]) {
+    text += fmt::format("  {:<18} {}\n", codec["name"].get<std::string>(), codec["description"].get<std::string>());
+  }
   text += "limits:\n";
   for (const auto& [name, value] : json["limits"].items()) text += fmt::format("  {:<18} {}\n", name, value.dump());
   text += fmt::format("methods (default {}):\n", json["default_method"].get<std::string>());

@@ -7,18 +7,23 @@
 #include <utility>
 
 #include "fmt/format.h"
+#include "segserve/client/payload.hpp"
 #include "segserve/client/result_file.hpp"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/ply_header.hpp"
 #include "segserve/pipeline/segment.hpp"
+#include "segserve/segctl/codec_flags.hpp"
 #include "segserve/segctl/command.hpp"
 #include "segserve/segctl/input_file.hpp"
 #include "segserve/segctl/local.hpp"
 #include "segserve/segctl/option_flags.hpp"
+#include "segserve/segctl/rgbd_flags.hpp"
 #include "segserve/segctl/scene_output.hpp"
 #include "segserve/segctl/server_flags.hpp"
 #include "segserve/segctl/staged_output.hpp"
 #include "segserve/segctl/summary.hpp"
 #include "segserve/segctl/view_flag.hpp"
+#include "segserve/wire/codec.hpp"
 
 namespace segserve::segctl {
 namespace {
@@ -28,6 +33,8 @@ constexpr double kDefaultTimeout = 30;
 constexpr const char* kFooter = R"(Examples:
   segctl segment scene.pcd -o labelled.pcd --picture segments.png
   segctl segment scene.ply --view world:0,0,1.5 --server robot:50051 --zstd --json -
+  segctl segment scene.pcd --codec quantised --error-bound 0.5
+  segctl segment --depth depth.png --rgb color.png --intrinsics 525,525,319.5,239.5 --picture segments.png
   segctl segment scene.pcd --local --method equalization --regions 12 -o - | other-program
   segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
   segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd
@@ -35,7 +42,10 @@ constexpr const char* kFooter = R"(Examples:
 Points that are not finite, that the crop box or the range leaves out, or that are removed with the
 support plane get label 0; segments are numbered 1, 2, .. by descending size.
 Without --view an organised PCD with the identity VIEWPOINT is seen by the camera, any other PCD
-is WORLD with the sensor at VIEWPOINT, and a PLY is WORLD without a sensor.
+is WORLD with the sensor at VIEWPOINT, and a PLY is WORLD without a sensor. Images are CAMERA.
+
+Lossy codecs move points by at most their error bound; labels still come back in the order of the input. With --local and a
+codec the points are segmented as a server would see them.
 
 Exit codes: 0 done; 1 failed (server unreachable, time over, disk full); 2 bad input or usage.)";
 
@@ -44,9 +54,9 @@ struct Arguments {
   OptionFlags options;
   std::string view;
   ServerFlags server;
+  RgbdFlags rgbd;
+  CodecFlags codec;
   bool local = false;
-  std::string payload = "planar";
-  bool zstd = false;
   std::string request_id;
   SceneOutput scene_output;
   std::string result_path;
@@ -55,8 +65,8 @@ struct Arguments {
 };
 
 void add_flags(CLI::App& app, Arguments& arguments) {
-  app.add_option("SCENE", arguments.scene, "PCD (ascii, binary, binary_compressed) or PLY file; - is standard input")
-      ->required();
+  app.add_option("SCENE", arguments.scene, "PCD (ascii, binary, binary_compressed) or PLY file; - is standard input");
+  arguments.rgbd.add_to(app);
   arguments.options.add_to(app);
   app.add_option("--view", arguments.view,
                  "where the sensor is: camera, world, or world:X,Y,Z with its position in metres; "
@@ -65,14 +75,10 @@ void add_flags(CLI::App& app, Arguments& arguments) {
       ->group("Segmentation");
   arguments.server.add_to(app, kDefaultTimeout);
   app.add_flag("--local", arguments.local, "segment in this process, without a server")->group("Server");
-  app.add_option("--payload", arguments.payload, "what is sent: the points as planar raw, or the PCD file as it is")
-      ->check(CLI::IsMember({"planar", "pcd"}))
-      ->type_name("KIND")
-      ->capture_default_str()
-      ->group("Server");
-  app.add_flag("--zstd", arguments.zstd,
-               "compress what is sent, without loss; default: only if it would be too large for one call")
-      ->group("Server");
+  arguments.codec.add_to(app,
+                         "pcd sends a PCD file as it is; default: planar, and planar-zstd if that would be too large "
+                         "for one call",
+                         "Server");
   app.add_option("--request-id", arguments.request_id, "name of this call in the server's logs")
       ->type_name("TEXT")
       ->group("Server");
@@ -87,14 +93,21 @@ void add_flags(CLI::App& app, Arguments& arguments) {
 }
 
 absl::Status check_combination(const Arguments& arguments) {
-  const bool sends_file = arguments.payload == "pcd";
+  if (arguments.scene.empty() && !arguments.rgbd.given()) {
+    return absl::InvalidArgumentError("SCENE is required, or --depth and --intrinsics (see segctl segment --help)");
+  }
+  if (!arguments.scene.empty() && arguments.rgbd.given()) {
+    return absl::InvalidArgumentError("SCENE and RGB-D images exclude each other");
+  }
+  if (arguments.rgbd.given() && !arguments.view.empty()) {
+    return absl::InvalidArgumentError("--view does not go with RGB-D images: they are seen from the camera");
+  }
   if (arguments.local && arguments.server.server_given()) {
     return absl::InvalidArgumentError("--local and --server exclude each other");
   }
-  if (arguments.local && (sends_file || arguments.zstd || !arguments.request_id.empty())) {
-    return absl::InvalidArgumentError("--payload, --zstd and --request-id need a server: not together with --local");
+  if (arguments.local && !arguments.request_id.empty()) {
+    return absl::InvalidArgumentError("--request-id needs a server: not together with --local");
   }
-  if (sends_file && arguments.zstd) return absl::InvalidArgumentError("--zstd needs --payload planar");
   return absl::OkStatus();
 }
 
@@ -107,19 +120,42 @@ absl::Status announce_outputs(const Arguments& arguments, StagedOutput& output) 
   return absl::OkStatus();
 }
 
-/// Everything that is known before the segmentation: the file, and what is asked of it.
+/// Everything that is known before the segmentation: the files, and what is asked of them.
 struct Job {
-  std::string file_bytes;
+  std::string input;                          ///< how the file is called in messages
+  std::string file_bytes;                     ///< unset if there is a payload
+  std::optional<client::Payload> payload;     ///< what is sent as it is: a PCD file or images
   std::optional<codec::LabelledCloud> scene;  ///< unset if nobody but the server needs the points
   std::optional<View> view;                   ///< unset: what the file says
+  std::optional<wire::CodecOptions> codec;    ///< unset: as the client library thinks fit
   Options options;
 };
 
-absl::StatusOr<codec::LabelledCloud> decode(const Arguments& arguments, const Job& job) {
-  auto scene = codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.view);
+absl::StatusOr<codec::LabelledCloud> decode(const Job& job) {
+  auto scene = job.payload ? client::decode(*job.payload)
+                           : codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.view);
   if (scene.ok()) return scene;
-  return absl::Status(scene.status().code(),
-                      fmt::format("{}: {}", input_name(arguments.scene), std::string(scene.status().message())));
+  return absl::Status(scene.status().code(), fmt::format("{}: {}", job.input, std::string(scene.status().message())));
+}
+
+absl::Status read_files(const Arguments& arguments, Job& job) {
+  if (arguments.rgbd.given()) {
+    job.input = arguments.rgbd.input_name();
+    auto images = arguments.rgbd.load();
+    if (!images.ok()) return images.status();
+    job.payload = client::rgbd_payload(*std::move(images));
+    return absl::OkStatus();
+  }
+  job.input = input_name(arguments.scene);
+  auto bytes = read_input(arguments.scene);
+  if (!bytes.ok()) return bytes.status();
+  const bool is_pcd = !codec::is_ply(*bytes);
+  if (is_pcd && job.codec && job.codec->codec == wire::Codec::kPcd) {
+    job.payload = client::pcd_payload(*std::move(bytes), job.view);
+  } else {
+    job.file_bytes = *std::move(bytes);
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<Job> prepare(const Arguments& arguments) {
@@ -132,10 +168,14 @@ absl::StatusOr<Job> prepare(const Arguments& arguments) {
     if (!view.ok()) return view.status();
     job.view = *view;
   }
+  const auto codec = arguments.codec.options();
+  if (!codec.ok()) return codec.status();
+  job.codec = *codec;
+  if (job.codec && arguments.rgbd.given()) {
+    return absl::InvalidArgumentError("--codec, --error-bound and --zstd do not go with RGB-D images");
+  }
   if (const auto timeout = arguments.server.timeout(); !timeout.ok()) return timeout.status();
-  auto bytes = read_input(arguments.scene);
-  if (!bytes.ok()) return bytes.status();
-  job.file_bytes = *std::move(bytes);
+  if (absl::Status status = read_files(arguments, job); !status.ok()) return status;
   return job;
 }
 
@@ -144,13 +184,9 @@ absl::StatusOr<client::Result> segment_remotely(const Arguments& arguments, Job&
   if (!client.ok()) return client.status();
   client::CallOptions call;
   call.request_id = arguments.request_id;
-  if (arguments.zstd) {
-    call.compress = client::Compress::kAlways;
-    call.outputs.compression = v1alpha1::COMPRESSION_ZSTD;
-  }
-  if (arguments.payload == "pcd") {
-    return client->segment_pcd_file(std::move(job.file_bytes), job.view, job.options, call);
-  }
+  call.codec = job.codec;
+  call.outputs.compression = answer_compression(job.codec);
+  if (job.payload) return client->segment_payload(*job.payload, job.options, call);
   auto result = client->segment(job.scene->cloud, job.options, call);
   if (result.ok()) result->view_rule = job.scene->view_rule;  // the server only knows that it was told
   return result;
@@ -159,7 +195,15 @@ absl::StatusOr<client::Result> segment_remotely(const Arguments& arguments, Job&
 absl::StatusOr<client::Result> segment_here(const Arguments& arguments, const Job& job) {
   std::optional<StopToken::Clock::time_point> deadline;
   if (arguments.server.timeout_given()) deadline = StopToken::Clock::now() + *arguments.server.timeout();
-  return segment_locally(*job.scene, job.options, StopToken(nullptr, deadline));
+  const StopToken stop(nullptr, deadline);
+  if (!job.codec || job.payload) return segment_locally(*job.scene, job.options, stop);
+  // The points as a server would see them.
+  const auto payload = client::cloud_payload(job.scene->cloud, *job.codec);
+  if (!payload.ok()) return payload.status();
+  auto decoded = client::decode(*payload);
+  if (!decoded.ok()) return decoded.status();
+  decoded->view_rule = job.scene->view_rule;
+  return segment_locally(*decoded, job.options, stop);
 }
 
 absl::Status write_outputs(const Arguments& arguments, Job& job, const client::Result& result, double call_ms,
@@ -174,7 +218,7 @@ absl::Status write_outputs(const Arguments& arguments, Job& job, const client::R
     output.add(arguments.result_path, *std::move(bytes));
   }
   Summary summary{.result = result,
-                  .input = input_name(arguments.scene),
+                  .input = job.input,
                   .server = arguments.local ? "" : arguments.server.address(),
                   .timings = stage_timings(result)};
   if (!arguments.local) summary.timings.push_back({"round_trip", call_ms});
@@ -193,8 +237,8 @@ absl::Status run(const Arguments& arguments) {
   if (!job.ok()) return job.status();
 
   auto start = std::chrono::steady_clock::now();
-  if (arguments.payload != "pcd" || arguments.scene_output.wanted()) {
-    auto scene = decode(arguments, *job);
+  if (arguments.local || !job->payload || arguments.scene_output.wanted()) {
+    auto scene = decode(*job);
     if (!scene.ok()) return scene.status();
     job->scene = *std::move(scene);
   }

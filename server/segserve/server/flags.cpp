@@ -72,6 +72,8 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
       ->capture_default_str();
+  app.add_flag("--enable-draco", server.enable_draco,
+               "Accept Draco payloads; its library has known faults with hostile bytes");
   add_seconds(app, "--grace-period", "Seconds that calls in flight have when the server stops", server.grace_period);
   add_seconds(app, "--drain-delay", "Seconds for which a stopping server still refuses calls before it closes",
               server.drain_delay);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "segserve/server/version.hpp"
+#include "segserve/wire/codec.hpp"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/options.hpp"
 
@@ -11,8 +12,9 @@ namespace segserve::server {
 v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
   v1alpha1::GetServerInfoResponse info;
   info.set_version(kVersion);
-  info.add_payload_kinds(v1alpha1::PAYLOAD_KIND_PLANAR);
-  info.add_payload_kinds(v1alpha1::PAYLOAD_KIND_PCD_FILE);
+  for (const v1alpha1::PayloadKind kind : wire::accepted_kinds({.draco = options.enable_draco})) {
+    info.add_payload_kinds(kind);
+  }
   info.add_compressions(v1alpha1::COMPRESSION_NONE);
   info.add_compressions(v1alpha1::COMPRESSION_ZSTD);
 

@@ -38,6 +38,8 @@ struct ServerOptions {
   std::uint64_t max_points = 16'000'000;
   /// Bytes of one cloud after decompression.
   std::uint64_t max_decoded_bytes = std::uint64_t{512} << 20U;
+  /// Accept Draco payloads. Its library has known faults with hostile bytes.
+  bool enable_draco = false;
 
   /// Time for the calls in flight when the server stops; then they are cancelled.
   std::chrono::milliseconds grace_period{20'000};

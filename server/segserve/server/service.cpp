@@ -57,7 +57,7 @@ class RefusedStream final
 SegmentationService::SegmentationService(const ServerOptions& options, const SegmenterFactory& make_segmenter)
     : defaults_(options.defaults),
       max_threads_(options.threads),
-      limits_{.max_points = options.max_points, .max_bytes = options.max_decoded_bytes},
+      limits_{.max_points = options.max_points, .max_bytes = options.max_decoded_bytes, .draco = options.enable_draco},
       info_(server_info(options, options.workers)),
       stream_settings_(stream_settings(options, info_)),
       credit_(credit_limits(options)),
