@@ -1,0 +1,102 @@
+// What the service adds to the segmentation. Run: service_bench [frames]
+//
+// 1. A stream of raw frames of 307,200 points through the loopback, client and server in this process, one frame at a
+//    time: the time from handing over the cloud to its labels, minus the stages of the segmentation.
+// 2. The frames that two workers do in the time in which one does one, without transport.
+#include <malloc.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "fmt/format.h"
+#include "segserve/client/client.hpp"
+#include "segserve/server/segmenter_interface.hpp"
+#include "segserve/server/server.hpp"
+#include "segserve/server/worker_pool.hpp"
+#include "test/bench/frames.hpp"
+
+namespace segserve::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
+  return values[values.size() / 2];
+}
+
+const Frame& frame_named(std::string_view name) { return *std::ranges::find(frames(), name, &Frame::name); }
+
+/// Median over `count` frames of call and segmentation, ms.
+void measure_overhead(int count) {
+  server::ServerOptions server_options;
+  server_options.listen = "127.0.0.1:0";
+  server_options.workers = 1;
+  const auto server = server::Server::start(server_options).value();
+  const auto client = client::Client::connect({.address = server->address()}).value();
+  Options options;
+  options.method = Method::kLambdaConvex;
+  auto stream = client.open_stream({.options = options, .outputs = {.labels = true}}).value();
+  const Cloud& cloud = frame_named("synthetic-full").cloud;
+  std::vector<double> calls, overheads;
+  for (int i = -5; i < count; ++i) {  // the first ones warm up
+    const Clock::time_point begin = Clock::now();
+    if (!stream.send(cloud).ok()) return;
+    const auto outcome = stream.next();
+    const double call = ms_since(begin);
+    if (!outcome || !outcome->result) return;
+    if (i < 0) continue;
+    calls.push_back(call);
+    overheads.push_back(call - outcome->result->segmentation.timings.total);
+  }
+  fmt::print("one raw frame of {} points at a time: call {:.1f} ms, of which beyond the segmentation {:.1f} ms\n",
+             cloud.size(), median(calls), median(overheads));
+}
+
+/// Frames a second of `workers` workers.
+double frames_per_second(std::size_t workers, int count) {
+  std::vector<std::unique_ptr<server::SegmenterInterface>> segmenters(workers);
+  std::ranges::generate(segmenters, server::core_segmenter_factory());
+  const Cloud& cloud = frames().front().cloud;
+  for (auto& segmenter : segmenters) (void)segmenter->segment(cloud, {}, {});
+  const Clock::time_point begin = Clock::now();
+  {
+    server::WorkerPool pool(workers, {.jobs = 1'000'000, .bytes = 1, .points = 1});
+    for (int i = 0; i < count; ++i) {
+      pool.submit({.client = "bench"},
+                  {.run = [&](std::size_t worker) { (void)segmenters[worker]->segment(cloud, {}, {}); }});
+    }
+  }  // waits for all
+  return count / ms_since(begin) * 1000;
+}
+
+void measure_workers(int count) {
+  std::vector<double> ratios;
+  double one = 0, two = 0;
+  for (int round = 0; round < 5; ++round) {  // in turn, so that what else the machine does meets both
+    one = frames_per_second(1, count);
+    two = frames_per_second(2, 2 * count);
+    ratios.push_back(two / one);
+  }
+  fmt::print("two workers, no transport: {:.1f} frames/s, {:.2f}x the {:.1f} of one\n", two, median(ratios), one);
+}
+
+}  // namespace
+}  // namespace segserve::bench
+
+int main(int argc, char** argv) {
+  // As in the mains of segserve and segctl: large buffers are kept, not given back and faulted in again for each frame.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  const int count = argc > 1 ? std::max(1, std::atoi(argv[1])) : 50;
+  segserve::bench::measure_overhead(count);
+  segserve::bench::measure_workers(count);
+}
