@@ -16,14 +16,18 @@ double concave_angle(const Vec3& xa, const Vec3& na, const Vec3& xb, const Vec3&
 }  // namespace
 
 std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
-                                    double dead_zone) {
+                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels, double dead_zone,
+                                    const StopToken& stop) {
+  StopCheck check(stop);
   // Edges with the same smaller region stand together: (a, b) is found by a search among those of a.
   std::vector<std::size_t> first_edge(graph.regions.size() + 1, graph.edges.size());
-  for (std::size_t e = graph.edges.size(); e-- > 0;) first_edge[graph.edges[e].a] = e;
-  for (std::size_t r = graph.regions.size(); r-- > 0;) first_edge[r] = std::min(first_edge[r], first_edge[r + 1]);
+  for (std::size_t e = graph.edges.size(); e-- > 0 && !check.after(1);) first_edge[graph.edges[e].a] = e;
+  for (std::size_t r = graph.regions.size(); r-- > 0 && !check.after(1);) {
+    first_edge[r] = std::min(first_edge[r], first_edge[r + 1]);
+  }
   std::vector<Border> borders(graph.edges.size());
-  for (std::uint32_t v = 0; v < grid.size(); ++v) {
+  const auto measure_from = [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
     const std::uint32_t s = supervoxels.of_voxel[v];
     for (const std::uint32_t u : adjacency.of(v)) {
       const std::uint32_t t = supervoxels.of_voxel[u];
@@ -37,8 +41,10 @@ std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& g
       border.concavity +=
           std::max(0.0, concave_angle(grid.centroid[v], normals[v], grid.centroid[u], normals[u]) - dead_zone);
     }
-  }
-  for (Border& border : borders) border.concavity /= border.voxel_pairs;
+    return 1 + adjacency.of(v).size();
+  };
+  check.for_each(0, grid.size(), measure_from);
+  check.for_each(0, borders.size(), [&](std::size_t e) { borders[e].concavity /= borders[e].voxel_pairs; });
   return borders;
 }
 

@@ -39,7 +39,9 @@ struct RegionGraph {
 };
 
 /// Supervoxels are adjacent if a voxel of one is a neighbour of a voxel of the other.
+/// If stopped, the graph is useless.
 RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                               const Supervoxels& supervoxels, const View& view, double voxel_resolution);
+                               const Supervoxels& supervoxels, const View& view, double voxel_resolution,
+                               const StopToken& stop = {});
 
 }  // namespace segserve

@@ -46,32 +46,39 @@ class Merger {
   using Evidence = typename M::Evidence;
 
   /// `evidence` has one entry an edge.
-  Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, double threshold, M& metric)
-      : metric_(metric), threshold_(threshold), links_(metric.region_count()), best_(metric.region_count(), Edge{}) {
-    for (std::size_t e = 0; e < edges.size(); ++e) {
+  Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, double threshold, M& metric,
+         const StopToken& stop)
+      : metric_(metric),
+        threshold_(threshold),
+        stop_(stop),
+        check_(stop),
+        links_(metric.region_count()),
+        best_(metric.region_count(), Edge{}) {
+    check_.for_each(0, edges.size(), [&](std::size_t e) {
       const auto [a, b] = edges[e];
       const double dissimilarity = metric_.dissimilarity(a, b, evidence[e]);
       links_[a].push_back({b, dissimilarity, evidence[e]});
       links_[b].push_back({a, dissimilarity, evidence[e]});
+    });
+    for (std::uint32_t r = 0; r < links_.size() && !check_.after(1 + links_[r].size()); ++r) {
+      std::ranges::sort(links_[r], {}, &Link::region);
+      find_best(r);
     }
-    for (std::vector<Link>& links : links_) std::ranges::sort(links, {}, &Link::region);
-    for (std::uint32_t r = 0; r < links_.size(); ++r) find_best(r);
   }
 
-  absl::StatusOr<MergeTree> run(const StopToken& stop) {
-    constexpr std::size_t kStopInterval = 64;
+  absl::StatusOr<MergeTree> run() {
+    if (absl::Status status = stop_.check(); !status.ok()) return status;
     std::vector<std::uint32_t> points(links_.size());
-    for (std::uint32_t r = 0; r < points.size(); ++r) points[r] = metric_.points(r);
+    check_.for_each(0, points.size(),
+                    [&](std::size_t r) { points[r] = metric_.points(static_cast<std::uint32_t>(r)); });
     TreeBuilder tree(std::move(points));
-    for (std::size_t row = 0; best_.winner().turn != Turn::kNever; ++row) {
-      if (row % kStopInterval == 0) {
-        if (absl::Status status = stop.check(); !status.ok()) return status;
-      }
+    while (best_.winner().turn != Turn::kNever && !check_.after(1)) {
       const Edge edge = best_.winner();
       tree.merge(edge.a, edge.b, weight(edge));
       unite(edge.a, edge.b);
     }
-    tree.join_components();
+    tree.join_components(check_);
+    if (absl::Status status = stop_.check(); !status.ok()) return status;
     return std::move(tree).finish();
   }
 
@@ -117,6 +124,7 @@ class Merger {
     unite_links(p, q);
     links_[q] = {};
     best_.set(q, Edge{});
+    check_.after(2 * links_[p].size());
     for (Link& link : links_[p]) {
       link.dissimilarity = metric_.dissimilarity(p, link.region, link.evidence);
       replace_links(link, p, q);
@@ -165,6 +173,7 @@ class Merger {
   void find_best(std::uint32_t r) {
     Edge best;
     const std::vector<Link>& links = links_[r];
+    check_.after(links.size());
     for (auto link = std::ranges::upper_bound(links, r, {}, &Link::region); link != links.end(); ++link) {
       best = std::min(best, edge(r, *link));
     }
@@ -173,6 +182,8 @@ class Merger {
 
   M& metric_;
   double threshold_;
+  const StopToken& stop_;
+  StopCheck check_;
   std::vector<std::vector<Link>> links_;
   std::vector<Link> united_;
   Tournament<Edge> best_;
@@ -184,7 +195,7 @@ template <Metric M>
 absl::StatusOr<MergeTree> merge_regions(std::span<const RegionEdge> edges,
                                         std::span<const typename M::Evidence> evidence, double threshold, M& metric,
                                         const StopToken& stop = {}) {
-  return Merger<M>(edges, evidence, threshold, metric).run(stop);
+  return Merger<M>(edges, evidence, threshold, metric, stop).run();
 }
 
 }  // namespace segserve

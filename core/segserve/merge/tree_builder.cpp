@@ -28,13 +28,13 @@ void TreeBuilder::add_row(std::uint32_t a, std::uint32_t b, double weight, Merge
   alive_[b] = false;
 }
 
-void TreeBuilder::join_components() {
+void TreeBuilder::join_components(StopCheck& check) {
   using Component = std::pair<std::uint32_t, std::uint32_t>;  // points, region
   std::priority_queue<Component, std::vector<Component>, std::greater<>> smallest;
-  for (std::uint32_t r = 0; r < node_.size(); ++r) {
+  for (std::uint32_t r = 0; r < node_.size() && !check.after(1); ++r) {
     if (alive_[r]) smallest.emplace(node_[r].points, r);
   }
-  while (smallest.size() > 1) {
+  while (smallest.size() > 1 && !check.after(1)) {
     const std::uint32_t first = smallest.top().second;
     smallest.pop();
     const std::uint32_t second = smallest.top().second;

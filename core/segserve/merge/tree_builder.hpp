@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "segserve/pipeline/stop_token.hpp"
 #include "segserve/tree/merge_tree.hpp"
 
 namespace segserve {
@@ -18,8 +19,8 @@ class TreeBuilder {
   void merge(std::uint32_t a, std::uint32_t b, double weight) { add_row(a, b, weight, MergeKind::kMerged); }
 
   /// Joins what has no edges left, always the two of the fewest points (ties: the smaller ids), by
-  /// JOINED rows of weight 1, until one tree remains.
-  void join_components();
+  /// JOINED rows of weight 1, until one tree remains or `check` stops it.
+  void join_components(StopCheck& check);
 
   MergeTree finish() && { return std::move(tree_); }
 

@@ -31,22 +31,25 @@ bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, doub
 }
 
 std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, const std::vector<Border>& borders,
-                                                    double voxel, double seed, const BorderOptions& options) {
+                                                    double voxel, double seed, const BorderOptions& options,
+                                                    const StopToken& stop) {
+  StopCheck check(stop);
   std::vector<Vec3> normal;
   std::vector<Lab> color;
-  for (const Region& region : graph.regions) {
+  check.for_each(0, graph.regions.size(), [&](std::size_t r) {
+    const Region& region = graph.regions[r];
     normal.push_back(unit(region.normal_sum));
     color.push_back(srgb_to_lab((1.0 / region.points) * region.color_sum));
-  }
+  });
   std::vector<BorderMetric::Evidence> evidence;
   evidence.reserve(graph.edges.size());
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+  check.for_each(0, graph.edges.size(), [&](std::size_t e) {
     const auto [a, b] = graph.edges[e];
     const bool cut = is_cut(graph.regions[a].centroid, normal[a], graph.regions[b].centroid, normal[b], voxel, seed);
     const double z = (cut ? options.cut_weight : 0) + options.concavity_weight * borders[e].concavity +
                      options.color_weight * ciede2000(color[a], color[b]);
     evidence.push_back({borders[e].voxel_pairs, borders[e].voxel_pairs * z});
-  }
+  });
   return evidence;
 }
 

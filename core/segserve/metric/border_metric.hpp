@@ -55,7 +55,8 @@ class BorderMetric {
 /// The evidence of every edge: cut_weight c + concavity_weight k + color_weight E. `voxel` and `seed`: the
 /// resolutions, metres.
 std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, const std::vector<Border>& borders,
-                                                    double voxel, double seed, const BorderOptions& options);
+                                                    double voxel, double seed, const BorderOptions& options,
+                                                    const StopToken& stop = {});
 
 /// The decision of LCCP (Stein et al. 2014) that two supervoxels do not belong to one convex or smooth surface:
 /// c of the evidence. Centroids, unit normals; metres.

@@ -10,7 +10,8 @@ namespace {
 
 bool uses_convexity(Method method) { return method == Method::kLambdaConvex || method == Method::kEqualizationConvex; }
 
-Unification learn(const Options& options, std::span<const double> color, std::span<const double> geometry) {
+Unification learn(const Options& options, std::span<const double> color, std::span<const double> geometry,
+                  const StopToken& stop) {
   switch (options.method) {
     case Method::kColor:
       return Unification::fixed(1);
@@ -20,10 +21,10 @@ Unification learn(const Options& options, std::span<const double> color, std::sp
       return Unification::fixed(options.lambda);
     case Method::kLambda:
     case Method::kLambdaConvex:
-      return Unification::adaptive(color, geometry);
+      return Unification::adaptive(color, geometry, stop);
     case Method::kEqualization:
     case Method::kEqualizationConvex:
-      return Unification::equalization(color, geometry);
+      return Unification::equalization(color, geometry, stop);
     case Method::kBorder:
       break;  // has a metric of its own
   }
@@ -43,19 +44,21 @@ bool is_convex(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj) {
   return dot(ni, c) - dot(nj, c) >= 0;
 }
 
-PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Options& options)
+PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Options& options, const StopToken& stop)
     : view_(view),
       convex_(uses_convexity(options.method)),
       min_points_(options.min_segment_points),
       regions_(graph.regions) {
-  features_.reserve(regions_.size());
-  for (const Region& region : regions_) features_.push_back(features(region));
+  StopCheck check(stop);
+  features_.resize(regions_.size());
+  check.for_each(0, regions_.size(), [&](std::size_t r) { features_[r] = features(regions_[r]); });
   std::vector<double> color, geometry;
-  for (const auto& [a, b] : graph.edges) {
+  check.for_each(0, graph.edges.size(), [&](std::size_t e) {
+    const auto& [a, b] = graph.edges[e];
     color.push_back(color_distance(a, b));
     geometry.push_back(geometry_distance(a, b));
-  }
-  unification_ = learn(options, color, geometry);
+  });
+  unification_ = learn(options, color, geometry, stop);
 }
 
 double PaperMetric::dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence&) const {

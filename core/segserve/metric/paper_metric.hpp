@@ -27,7 +27,8 @@ class PaperMetric {
     Evidence& operator+=(const Evidence&) { return *this; }
   };
 
-  PaperMetric(const RegionGraph& graph, const View& view, const Options& options);
+  /// If stopped, it is useless.
+  PaperMetric(const RegionGraph& graph, const View& view, const Options& options, const StopToken& stop = {});
 
   std::size_t region_count() const { return regions_.size(); }
   std::uint32_t points(std::uint32_t r) const { return regions_[r].points; }

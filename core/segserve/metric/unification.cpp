@@ -1,14 +1,28 @@
 #include "segserve/metric/unification.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <bit>
+#include <cstdint>
+
+#include "segserve/math/radix_sort.hpp"
 
 namespace segserve {
 namespace {
 
-std::vector<double> sorted(std::span<const double> values) {
-  std::vector<double> result(values.begin(), values.end());
-  std::ranges::sort(result);
+double sum(std::span<const double> values, StopCheck& check) {
+  double result = 0;
+  check.for_each(0, values.size(), [&](std::size_t i) { result += values[i]; });
+  return result;
+}
+
+/// The bits of doubles that are not negative are in their order.
+std::vector<double> sorted(std::span<const double> values, StopCheck& check) {
+  std::vector<std::uint64_t> keys(values.size());
+  check.for_each(0, values.size(), [&](std::size_t i) { keys[i] = std::bit_cast<std::uint64_t>(values[i] + 0.0); });
+  std::vector<std::uint32_t> order;
+  math::sort_order(keys, order, check);
+  std::vector<double> result(values.size());
+  check.for_each(0, values.size(), [&](std::size_t i) { result[i] = values[order[i]]; });
   return result;
 }
 
@@ -25,18 +39,22 @@ Unification Unification::fixed(double lambda) {
   return u;
 }
 
-Unification Unification::adaptive(std::span<const double> color, std::span<const double> geometry) {
+Unification Unification::adaptive(std::span<const double> color, std::span<const double> geometry,
+                                  const StopToken& stop) {
+  StopCheck check(stop);
   // The number of edges cancels, so sums serve as means.
-  const double c = std::accumulate(color.begin(), color.end(), 0.0);
-  const double g = std::accumulate(geometry.begin(), geometry.end(), 0.0);
+  const double c = sum(color, check);
+  const double g = sum(geometry, check);
   if (c == 0 || g == 0) return fixed(c == g ? 0.5 : c > 0 ? 1 : 0);
   return fixed(g / (c + g));
 }
 
-Unification Unification::equalization(std::span<const double> color, std::span<const double> geometry) {
+Unification Unification::equalization(std::span<const double> color, std::span<const double> geometry,
+                                      const StopToken& stop) {
+  StopCheck check(stop);
   Unification u;
-  u.color_ = sorted(color);
-  u.geometry_ = sorted(geometry);
+  u.color_ = sorted(color, check);
+  u.geometry_ = sorted(geometry, check);
   return u;
 }
 

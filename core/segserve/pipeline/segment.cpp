@@ -57,7 +57,8 @@ absl::Status border_normals(const VoxelGrid& grid, const View& view, const Super
 /// The dendrogram by the paper's metric delta (eq. 3). `lambda`: what Adaptive Lambda found.
 absl::StatusOr<MergeTree> merge_by_paper(const RegionGraph& graph, const View& view, const Options& options,
                                          const StopToken& stop, double& lambda) {
-  PaperMetric metric(graph, view, options);
+  PaperMetric metric(graph, view, options, stop);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   lambda = metric.lambda();
   const std::vector<PaperMetric::Evidence> none(graph.edges.size());
   return merge_regions<PaperMetric>(graph.edges, none, settled_threshold(options), metric, stop);
@@ -71,15 +72,18 @@ absl::StatusOr<MergeTree> merge_by_border(const RegionGraph& graph, const VoxelG
   const BorderOptions constants;
   const SupervoxelOptions settings = supervoxel_options(options);
   const std::vector<Border> borders =
-      measure_borders(graph, grid, adjacency, normals, supervoxels, constants.dead_zone);
+      measure_borders(graph, grid, adjacency, normals, supervoxels, constants.dead_zone, stop);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   const std::vector<BorderMetric::Evidence> evidence =
-      border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, constants);
+      border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, constants, stop);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   BorderMetric metric(graph, options.min_segment_points, constants);
   return merge_regions<BorderMetric>(graph.edges, evidence, settled_threshold(options), metric, stop);
 }
 
-absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options) {
-  return options.regions ? cut_to_regions(tree, *options.regions) : cut_at_threshold(tree, *options.threshold);
+absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options, const StopToken& stop) {
+  return options.regions ? cut_to_regions(tree, *options.regions, stop)
+                         : cut_at_threshold(tree, *options.threshold, stop);
 }
 
 /// Takes the support plane's voxels, which it finds by their normals, out of the grid and its adjacency.
@@ -87,25 +91,29 @@ absl::Status remove_support_plane(double distance, const View& view, unsigned th
                                   VoxelGrid& grid, VoxelAdjacency& adjacency, std::vector<Vec3>& normals,
                                   SupportPlane& plane) {
   if (absl::Status status = compute_normals(grid, adjacency, view, threads, stop, normals); !status.ok()) return status;
-  const PlaneVoxels found = find_support_plane(grid, adjacency, normals, view, distance);
+  const PlaneVoxels found = find_support_plane(grid, adjacency, normals, view, distance, stop);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   plane = found.plane;
-  remove_voxels(found.member, grid);
-  find_adjacency(grid, adjacency);
-  return absl::OkStatus();
+  remove_voxels(found.member, stop, grid);
+  find_adjacency(grid, adjacency, stop);
+  return stop.check();
 }
 
 /// A value per supervoxel becomes one per point; 0 stays with points that are not segmented.
 template <typename ValueOfSupervoxel>
 std::vector<std::uint32_t> spread(const VoxelGrid& grid, const Supervoxels& supervoxels, unsigned threads,
-                                  ValueOfSupervoxel&& value) {
+                                  const StopToken& stop, ValueOfSupervoxel&& value) {
   std::vector<std::uint32_t> value_of_slot(grid.voxel_of_slot.size(), 0);
-  for (std::size_t slot = 1; slot < value_of_slot.size(); ++slot) {
+  StopCheck(stop).for_each(1, value_of_slot.size(), [&](std::size_t slot) {
     const std::uint32_t voxel = grid.voxel_of_slot[slot];
     if (voxel != kNoVoxel) value_of_slot[slot] = value(supervoxels.of_voxel[voxel]);
-  }
+  });
   std::vector<std::uint32_t> result(grid.slot_of_point.size());
   parallel_ranges(result.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) result[i] = value_of_slot[grid.slot_of_point[i]];
+    StopCheck(stop, threads)
+        .for_each(begin, end,
+                  [values = value_of_slot.data(), slot = grid.slot_of_point.data(),
+                   out = result.data()](std::size_t i) { out[i] = values[slot[i]]; });
   });
   return result;
 }
@@ -145,7 +153,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
 
   // .. and a normal, from the plane through its neighbourhood; ours does not reach across edges. What supports the
   // objects goes before, if it shall.
-  find_adjacency(grid, adjacency);
+  find_adjacency(grid, adjacency, stop);
+  if (status = stop.check(); !status.ok()) return status;
   if (options.support_plane_distance) {
     status = remove_support_plane(*options.support_plane_distance, cloud.view, options.threads, stop, grid, adjacency,
                                   normals, result.support_plane.emplace());
@@ -158,14 +167,16 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.normals = watch.lap();
 
   // Over-segmentation: the supervoxels R^m (VCCS).
-  select_seeds(grid, cloud.view, settings.voxel_resolution, settings.seed_resolution, seeds);
+  select_seeds(grid, cloud.view, settings.voxel_resolution, settings.seed_resolution, seeds, stop);
+  if (status = stop.check(); !status.ok()) return status;
   const absl::StatusOr<Supervoxels> supervoxels = grow_supervoxels(grid, adjacency, normals, seeds, settings, stop);
   if (!supervoxels.ok()) return supervoxels.status();
   timings.supervoxels = watch.lap();
 
   // The region adjacency graph G^m.
   const RegionGraph graph =
-      build_region_graph(grid, adjacency, normals, *supervoxels, cloud.view, settings.voxel_resolution);
+      build_region_graph(grid, adjacency, normals, *supervoxels, cloud.view, settings.voxel_resolution, stop);
+  if (status = stop.check(); !status.ok()) return status;
   timings.graph = watch.lap();
 
   // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
@@ -177,12 +188,13 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.merging = watch.lap();
 
   // One level of it labels every input point.
-  const absl::StatusOr<Cut> level = cut(result.tree, options);
+  const absl::StatusOr<Cut> level = cut(result.tree, options, stop);
   if (!level.ok()) return level.status();
   result.segments = level->segments;
   result.labels =
-      spread(grid, *supervoxels, options.threads, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
-  result.supervoxels = spread(grid, *supervoxels, options.threads, [](std::uint32_t s) { return s + 1; });
+      spread(grid, *supervoxels, options.threads, stop, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
+  result.supervoxels = spread(grid, *supervoxels, options.threads, stop, [](std::uint32_t s) { return s + 1; });
+  if (status = stop.check(); !status.ok()) return status;
   timings.labels = watch.lap();
 
   result.threshold = options.threshold;

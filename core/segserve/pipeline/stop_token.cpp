@@ -12,4 +12,9 @@ absl::Status StopToken::check() const {
   return absl::OkStatus();
 }
 
+bool StopToken::stopped() const {
+  return (cancelled_ != nullptr && cancelled_->load(std::memory_order_relaxed)) ||
+         (deadline_ && Clock::now() >= *deadline_);
+}
+
 }  // namespace segserve

@@ -33,9 +33,10 @@ struct Plane {
 
 class SupportPlaneFinder {
  public:
-  SupportPlaneFinder(const VoxelGrid& grid, const std::vector<Vec3>& normals, const View& view, double distance)
-      : grid_(grid), normals_(normals), view_(view), distance_(distance), all_(grid.size()) {
-    for (std::uint32_t v = 0; v < all_.size(); ++v) all_[v] = v;
+  SupportPlaneFinder(const VoxelGrid& grid, const std::vector<Vec3>& normals, const View& view, double distance,
+                     StopCheck& check)
+      : grid_(grid), normals_(normals), view_(view), distance_(distance), check_(check), all_(grid.size()) {
+    check_.for_each(0, all_.size(), [this](std::size_t v) { all_[v] = static_cast<std::uint32_t>(v); });
     Random random(1);
     for (std::uint32_t i = 0; i < kSamples; ++i)
       samples_.push_back(random.below(static_cast<std::uint32_t>(all_.size())));
@@ -46,7 +47,7 @@ class SupportPlaneFinder {
     std::vector<Guess> guesses = guess();
     std::optional<Plane> best;
     std::size_t highest_rank = 0;
-    for (int turn = 0; turn < kRefinedGuesses && !guesses.empty(); ++turn) {
+    for (int turn = 0; turn < kRefinedGuesses && !guesses.empty() && !check_.after(guesses.size()); ++turn) {
       const std::uint32_t origin = std::ranges::max_element(guesses, {}, &Guess::rank)->voxel;
       const std::optional<Plane> plane = fit(plane_at(origin), samples_, kWidening);
       if (const std::size_t rank = plane ? this->rank(*plane, 1) : 0; rank > highest_rank) {
@@ -101,6 +102,7 @@ class SupportPlaneFinder {
 
   /// The number of samples in the plane, after what is preferred.
   std::size_t rank(const Plane& plane, double widening) const {
+    if (check_.after(samples_.size())) return 0;
     const auto held = static_cast<std::size_t>(
         std::ranges::count_if(samples_, [&](std::uint32_t v) { return holds(plane, v, widening); }));
     const bool preferred = faces_up_before_upright_camera(plane.normal) &&
@@ -116,11 +118,12 @@ class SupportPlaneFinder {
       Vec3 sum;
       Symmetric3 square;
       const Vec3 origin = grid_.centroid[0];  // within the cloud, which keeps the moments exact
-      for (const std::uint32_t v : voxels) {
-        if (!holds(plane, v, widening)) continue;
+      check_.for_each(0, voxels.size(), [&](std::size_t i) {
+        const std::uint32_t v = voxels[i];
+        if (!holds(plane, v, widening)) return;
         const Vec3 p = grid_.centroid[v] - origin;
         total += 1, sum += p, square += outer(p);
-      }
+      });
       if (total < 3) return std::nullopt;
       square += (-1 / total) * outer(sum);
       const Vec3 normal = smallest_eigenvector(square);
@@ -135,20 +138,22 @@ class SupportPlaneFinder {
   const std::vector<Vec3>& normals_;
   const View& view_;
   double distance_;
+  StopCheck& check_;
   std::vector<std::uint32_t> all_;      // V: 0, 1, ..
   std::vector<std::uint32_t> samples_;  // kSamples of them
 };
 
 /// Adds the voxels beside members whose normals do not tell.
-void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const VoxelAdjacency& adjacency,
+void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const VoxelAdjacency& adjacency, StopCheck& check,
                 std::vector<bool>& member) {
   std::vector<std::uint32_t> border;
-  for (std::uint32_t v = 0; v < member.size(); ++v) {
-    if (member[v]) border.push_back(v);
-  }
+  check.for_each(0, member.size(), [&](std::size_t v) {
+    if (member[v]) border.push_back(static_cast<std::uint32_t>(v));
+  });
   for (int step = 0; step < kFringeSteps; ++step) {
     std::vector<std::uint32_t> added;
     for (const std::uint32_t v : border) {
+      if (check.after(1 + adjacency.of(v).size())) return;
       for (const std::uint32_t u : adjacency.of(v)) {
         if (member[u] || !finder.near(plane, u, kFringe)) continue;
         member[u] = true;
@@ -162,27 +167,28 @@ void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const Voxe
 }  // namespace
 
 PlaneVoxels find_support_plane(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                               const View& view, double distance) {
+                               const View& view, double distance, const StopToken& stop) {
+  StopCheck check(stop);
   PlaneVoxels result;
   result.member.assign(grid.size(), false);
   if (grid.size() == 0) return result;
-  const SupportPlaneFinder finder(grid, normals, view, distance);
+  const SupportPlaneFinder finder(grid, normals, view, distance, check);
   const std::optional<Plane> plane = finder.find();
   if (!plane) return result;
   std::size_t members = 0;
-  for (std::uint32_t v = 0; v < grid.size(); ++v) {
-    result.member[v] = finder.holds(*plane, v, 1);
+  check.for_each(0, grid.size(), [&](std::size_t v) {
+    result.member[v] = finder.holds(*plane, static_cast<std::uint32_t>(v), 1);
     members += static_cast<std::size_t>(result.member[v]);
-  }
+  });
   if (static_cast<double>(members) < kSmallestShare * static_cast<double>(grid.size())) {
     result.member.assign(grid.size(), false);
     return result;
   }
   result.plane = {.normal = plane->normal, .offset = plane->offset};
-  add_fringe(finder, *plane, adjacency, result.member);
-  for (std::size_t v = 0; v < grid.size(); ++v) {
+  add_fringe(finder, *plane, adjacency, check, result.member);
+  check.for_each(0, grid.size(), [&](std::size_t v) {
     if (result.member[v]) result.plane.points += grid.points[v];
-  }
+  });
   return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/math/vec3.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/adjacency.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
@@ -36,8 +37,9 @@ struct PlaneVoxels {
 /// that near and its normal agrees, or, beside such voxels, where normals reach across edges, if it is half as
 /// far: so objects keep their sides. What is below the plane, and what it would cut through, is left alone.
 ///
-/// Random sample consensus over the voxels in their order, so that the same voxels give the same plane.
+/// Random sample consensus over the voxels in their order, so that the same voxels give the same plane. If stopped,
+/// what it found is useless.
 PlaneVoxels find_support_plane(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                               const View& view, double distance);
+                               const View& view, double distance, const StopToken& stop = {});
 
 }  // namespace segserve

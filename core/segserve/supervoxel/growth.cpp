@@ -46,25 +46,27 @@ struct Cluster {
 class Growth {
  public:
   Growth(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-         const SupervoxelOptions& options)
+         const SupervoxelOptions& options, const StopToken& stop)
       : adjacency_(adjacency),
+        check_(stop),
         normal_weight_(static_cast<float>(options.normal_weight)),
         owner_(grid.size(), kNobody),
         distance_(grid.size(), kUnreached),
         seen_(grid.size(), 0) {
     const double position_scale = options.spatial_weight / options.seed_resolution;
     features_.reserve(grid.size());
-    for (std::size_t v = 0; v < grid.size(); ++v) {
+    check_.for_each(0, grid.size(), [&](std::size_t v) {
       const Vec3 p = position_scale * grid.centroid[v];
       const Vec3 c = (options.color_weight / 255 / grid.points[v]) * grid.color_sum[v];
       const Vec3& n = normals[v];
       const auto f = [](double value) { return static_cast<float>(value); };
       features_.push_back({f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)});
-    }
+    });
   }
 
   void plant(const std::vector<std::uint32_t>& seeds) {
     for (const std::uint32_t seed : seeds) {
+      if (check_.after(1)) return;
       if (owner_[seed] != kNobody) continue;
       const auto c = static_cast<std::uint32_t>(clusters_.size());
       clusters_.emplace_back();
@@ -76,7 +78,7 @@ class Growth {
   /// PCL's first round measures from the origin, so that what counts is who comes first: a seed next
   /// to an earlier one is taken by it and dies. That thins the seeds out well, so we do it on purpose.
   void first_round() {
-    for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
+    for (std::uint32_t c = 0; c < clusters_.size() && !check_.after(1); ++c) {
       expand(c, [](const Feature&, const Feature&) { return kProvisional; });
     }
     move_centres();
@@ -84,7 +86,7 @@ class Growth {
 
   /// Returns whether anything changed.
   bool round() {
-    for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
+    for (std::uint32_t c = 0; c < clusters_.size() && !check_.after(1); ++c) {
       if (clusters_[c].count > 0 && clusters_[c].changed) {
         expand(c, [this](const Feature& centre, const Feature& voxel) { return distance(centre, voxel); });
       }
@@ -98,44 +100,48 @@ class Growth {
       std::uint32_t voxel, cluster;
     };
     std::vector<std::uint32_t> rest;
-    for (std::uint32_t v = 0; v < owner_.size(); ++v) {
-      if (owner_[v] == kNobody) rest.push_back(v);
-    }
+    check_.for_each(0, owner_.size(), [&](std::size_t v) {
+      if (owner_[v] == kNobody) rest.push_back(static_cast<std::uint32_t>(v));
+    });
     std::vector<Claim> layer;
     do {
       layer.clear();
       for (const std::uint32_t v : rest) {
+        if (check_.after(1 + adjacency_.of(v).size())) return;
         const std::uint32_t c = nearest_neighbouring_cluster(v);
         if (c != kNobody) layer.push_back({v, c});
       }
-      for (const Claim& claim : layer) take(claim.cluster, claim.voxel, 0);
-      std::erase_if(rest, [this](std::uint32_t v) { return owner_[v] != kNobody; });
-    } while (!layer.empty());
+      check_.for_each(0, layer.size(), [&](std::size_t i) { take(layer[i].cluster, layer[i].voxel, 0); });
+      keep_if(rest, [this](std::uint32_t v) { return owner_[v] == kNobody; });
+    } while (!layer.empty() && !check_.stopped());
   }
 
   /// Components that no seed lies in: one cluster each, from the smallest voxel.
   void adopt_components() {
-    for (std::uint32_t v = 0; v < owner_.size(); ++v) {
+    for (std::uint32_t v = 0; v < owner_.size() && !check_.after(1); ++v) {
       if (owner_[v] != kNobody) continue;
       plant({v});
+      if (check_.stopped()) return;
       const auto c = static_cast<std::uint32_t>(clusters_.size() - 1);
       for (std::size_t i = 0; i < clusters_[c].voxels.size(); ++i) {
-        for (const std::uint32_t u : adjacency_.of(clusters_[c].voxels[i])) {
+        const auto neighbors = adjacency_.of(clusters_[c].voxels[i]);
+        if (check_.after(1 + neighbors.size())) return;
+        for (const std::uint32_t u : neighbors) {
           if (owner_[u] == kNobody) take(c, u, 0);
         }
       }
     }
   }
 
-  Supervoxels numbered() const {
+  Supervoxels numbered() {
     Supervoxels result;
     result.of_voxel.resize(owner_.size());
     std::vector<std::uint32_t> number(clusters_.size(), kNobody);
-    for (std::size_t v = 0; v < owner_.size(); ++v) {
+    check_.for_each(0, owner_.size(), [&](std::size_t v) {
       std::uint32_t& n = number[owner_[v]];
       if (n == kNobody) n = result.count++;
       result.of_voxel[v] = n;
-    }
+    });
     return result;
   }
 
@@ -151,17 +157,29 @@ class Growth {
   /// One turn of a cluster: its centre stays where it is, and what it takes now expands next time.
   template <typename Distance>
   void expand(std::uint32_t c, Distance&& measure) {
-    std::erase_if(clusters_[c].voxels, [&](std::uint32_t v) { return owner_[v] != c; });
+    keep_if(clusters_[c].voxels, [&](std::uint32_t v) { return owner_[v] == c; });
     ++turn_;
-    const std::size_t size = clusters_[c].voxels.size();
-    for (std::size_t i = 0; i < size; ++i) {
-      for (const std::uint32_t u : adjacency_.of(clusters_[c].voxels[i])) {
+    const Cluster& cluster = clusters_[c];
+    const auto expand_from = [&](std::size_t i) {
+      const auto neighbors = adjacency_.of(cluster.voxels[i]);
+      for (const std::uint32_t u : neighbors) {
         if (owner_[u] == c || seen_[u] == turn_) continue;
         seen_[u] = turn_;
-        const float d = measure(clusters_[c].centre, features_[u]);
+        const float d = measure(cluster.centre, features_[u]);
         if (d < distance_[u]) take(c, u, d);
       }
-    }
+      return 1 + neighbors.size();
+    };
+    check_.for_each(0, cluster.voxels.size(), expand_from);
+  }
+
+  template <typename Predicate>
+  void keep_if(std::vector<std::uint32_t>& voxels, Predicate&& keep) {
+    std::size_t kept = 0;
+    const bool complete = check_.for_each(0, voxels.size(), [&](std::size_t i) {
+      if (keep(voxels[i])) voxels[kept++] = voxels[i];
+    });
+    if (complete) voxels.resize(kept);
   }
 
   void take(std::uint32_t c, std::uint32_t v, float d) {
@@ -183,6 +201,7 @@ class Growth {
   bool move_centres() {
     bool any = false;
     for (Cluster& cluster : clusters_) {
+      if (check_.after(1)) return false;
       any |= cluster.changed_next;
       if (cluster.changed_next && cluster.count > 0) cluster.centre = cluster.sum.mean(cluster.count);
       cluster.changed = cluster.changed_next;
@@ -204,6 +223,7 @@ class Growth {
   }
 
   const VoxelAdjacency& adjacency_;
+  StopCheck check_;
   float normal_weight_;
   std::vector<Feature> features_;
   std::vector<std::uint32_t> owner_;
@@ -219,7 +239,8 @@ absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelA
                                              const std::vector<Vec3>& normals, const Seeds& seeds,
                                              const SupervoxelOptions& options, const StopToken& stop) {
   const auto rounds = static_cast<int>(1.8 * options.seed_resolution / options.voxel_resolution + 1e-6) - 1;
-  Growth growth(grid, adjacency, normals, options);
+  Growth growth(grid, adjacency, normals, options, stop);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   growth.plant(seeds.chosen);
   growth.first_round();
   for (int round = 1; round < rounds; ++round) {
@@ -231,7 +252,9 @@ absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelA
   growth.reach_the_rest();
   growth.adopt_components();
   if (absl::Status status = stop.check(); !status.ok()) return status;
-  return growth.numbered();
+  Supervoxels supervoxels = growth.numbered();
+  if (absl::Status status = stop.check(); !status.ok()) return status;
+  return supervoxels;
 }
 
 }  // namespace segserve

@@ -16,16 +16,17 @@ constexpr std::int64_t kLayerStep = std::int64_t{1} << (2 * kCellBits);
 /// The voxels sorted by the seed cell that holds their centroid.
 class SeedCells {
  public:
-  SeedCells(const VoxelGrid& grid, double resolution) : grid_(grid), resolution_(resolution) {
+  SeedCells(const VoxelGrid& grid, double resolution, StopCheck& check)
+      : grid_(grid), resolution_(resolution), check_(check) {
     std::vector<VoxelKey> cell_of_voxel(grid.size());
-    for (std::size_t v = 0; v < grid.size(); ++v) cell_of_voxel[v] = cell(grid.centroid[v]);
-    math::sort_order(cell_of_voxel, voxels_);
-    for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
+    check.for_each(0, grid.size(), [&](std::size_t v) { cell_of_voxel[v] = cell(grid.centroid[v]); });
+    math::sort_order(cell_of_voxel, voxels_, check);
+    check.for_each(0, voxels_.size(), [&](std::size_t i) {
       const VoxelKey key = cell_of_voxel[voxels_[i]];
-      if (!keys_.empty() && keys_.back() == key) continue;
+      if (!keys_.empty() && keys_.back() == key) return;
       keys_.push_back(key);
-      begin_.push_back(i);
-    }
+      begin_.push_back(static_cast<std::uint32_t>(i));
+    });
     begin_.push_back(static_cast<std::uint32_t>(voxels_.size()));
   }
 
@@ -44,7 +45,13 @@ class SeedCells {
       const Vec3 d = grid_.centroid[v] - centre;
       return dot(d, d);
     };
-    return *std::ranges::min_element(voxels(c), {}, distance);
+    std::uint32_t nearest = voxels(c)[0];
+    double smallest = distance(nearest);
+    check_.for_each(1, voxels(c).size(), [&](std::size_t i) {
+      const double d = distance(voxels(c)[i]);
+      if (d < smallest) smallest = d, nearest = voxels(c)[i];
+    });
+    return nearest;
   }
 
   /// Voxels whose centroid is within `radius` (at most the resolution) of that of `v`, itself included.
@@ -58,10 +65,10 @@ class SeedCells {
         if (skip_repeated(middle, radius, dy, dz)) continue;
         for (auto c = static_cast<std::size_t>(std::ranges::lower_bound(keys_, first) - keys_.begin());
              c < keys_.size() && keys_[c] <= last; ++c) {
-          count += static_cast<std::size_t>(std::ranges::count_if(voxels(c), [&](std::uint32_t u) {
-            const Vec3 d = grid_.centroid[u] - middle;
-            return dot(d, d) <= radius * radius;
-          }));
+          check_.for_each(0, voxels(c).size(), [&, of_cell = voxels(c)](std::size_t i) {
+            const Vec3 d = grid_.centroid[of_cell[i]] - middle;
+            if (dot(d, d) <= radius * radius) ++count;
+          });
         }
       }
     }
@@ -81,6 +88,7 @@ class SeedCells {
 
   const VoxelGrid& grid_;
   double resolution_;
+  StopCheck& check_;
   std::vector<std::uint32_t> voxels_;
   std::vector<VoxelKey> keys_;
   std::vector<std::uint32_t> begin_;
@@ -89,12 +97,13 @@ class SeedCells {
 }  // namespace
 
 void select_seeds(const VoxelGrid& grid, const View& view, double voxel_resolution, double seed_resolution,
-                  Seeds& seeds) {
+                  Seeds& seeds, const StopToken& stop) {
   seeds.chosen.clear();
   seeds.sparse.clear();
-  const SeedCells cells(grid, seed_resolution);
+  StopCheck check(stop);
+  const SeedCells cells(grid, seed_resolution, check);
   const double radius = 0.5 * seed_resolution;
-  for (std::size_t c = 0; c < cells.size(); ++c) {
+  for (std::size_t c = 0; c < cells.size() && !check.after(1); ++c) {
     const std::uint32_t seed = cells.nearest_to_centre(c);
     const double voxel = voxel_edge(voxel_resolution, view, grid.centroid[seed]);
     const double disc = math::kPi * radius * radius / (voxel * voxel);

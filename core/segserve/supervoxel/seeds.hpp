@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "segserve/cloud/cloud.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
 namespace segserve {
@@ -18,8 +19,8 @@ struct Seeds {
 /// voxel nearest to the cell's centre. As in PCL, a seed counts if the voxels within half a seed
 /// resolution are more than a twentieth of a flat disc; other than there, a seed never lies outside
 /// its cell, so no voxel is a seed twice, and the size of a voxel is its true one (in a CAMERA view
-/// voxel_resolution * z), so that far surfaces get seeds, too.
+/// voxel_resolution * z), so that far surfaces get seeds, too. If stopped, the seeds are useless.
 void select_seeds(const VoxelGrid& grid, const View& view, double voxel_resolution, double seed_resolution,
-                  Seeds& seeds);
+                  Seeds& seeds, const StopToken& stop = {});
 
 }  // namespace segserve

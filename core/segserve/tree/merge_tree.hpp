@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "segserve/pipeline/stop_token.hpp"
 
 namespace segserve {
 
@@ -44,11 +45,11 @@ struct Cut {
 
 /// Applies the leading MERGED rows with height < threshold: the paper stops at the first minimum
 /// >= t. INVALID_ARGUMENT if the threshold is not in [0, 1].
-absl::StatusOr<Cut> cut_at_threshold(const MergeTree& tree, double threshold);
+absl::StatusOr<Cut> cut_at_threshold(const MergeTree& tree, double threshold, const StopToken& stop = {});
 
 /// Applies the first m - d rows, JOINED ones included: min(d, m) segments.
 /// INVALID_ARGUMENT if regions is 0.
-absl::StatusOr<Cut> cut_to_regions(const MergeTree& tree, std::uint32_t regions);
+absl::StatusOr<Cut> cut_to_regions(const MergeTree& tree, std::uint32_t regions, const StopToken& stop = {});
 
 /// Labels of points from their supervoxels (N entries; 0 = not finite, 1..m) in O(N).
 /// INVALID_ARGUMENT if a supervoxel is not a leaf of the cut.

@@ -20,13 +20,14 @@ constexpr std::array<std::int64_t, 9> kRowOffsets = [] {
 
 }  // namespace
 
-void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency) {
+void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const StopToken& stop) {
+  StopCheck check(stop);
   const auto count = static_cast<std::uint32_t>(grid.size());
   adjacency.offset.assign(1, 0);
   adjacency.offset.reserve(count + std::size_t{1});
   adjacency.neighbor.clear();
   std::array<std::uint32_t, 9> pointer{};
-  for (std::uint32_t v = 0; v < count; ++v) {
+  const auto find_neighbors = [&](std::size_t v) {
     for (std::size_t row = 0; row < kRowOffsets.size(); ++row) {
       const VoxelKey first = grid.key[v] + static_cast<VoxelKey>(kRowOffsets[row]);
       std::uint32_t u = pointer[row];
@@ -36,8 +37,11 @@ void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency) {
         if (u != v) adjacency.neighbor.push_back(u);
       }
     }
+    const std::size_t found = adjacency.neighbor.size() - adjacency.offset.back();
     adjacency.offset.push_back(static_cast<std::uint32_t>(adjacency.neighbor.size()));
-  }
+    return kRowOffsets.size() + found;
+  };
+  check.for_each(0, count, find_neighbors);
 }
 
 }  // namespace segserve

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
 namespace segserve {
@@ -20,7 +21,7 @@ struct VoxelAdjacency {
 };
 
 /// The 26-neighbourhood. O(V), without hashing: one pointer for each of the nine rows (dy, dz) moves over the sorted
-/// keys.
-void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency);
+/// keys. If stopped, what it found is useless.
+void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const StopToken& stop = {});
 
 }  // namespace segserve

@@ -20,11 +20,15 @@ class TwoRings {
     seen_[v] = mark;
     for (const std::uint32_t u : adjacency_.of(v)) add(u, mark);
     const std::size_t first_ring = rings_.size();
+    visits_ = 1 + first_ring;
     for (std::size_t i = 0; i < first_ring; ++i) {
+      visits_ += adjacency_.of(rings_[i]).size();
       for (const std::uint32_t w : adjacency_.of(rings_[i])) add(w, mark);
     }
     return rings_;
   }
+  /// Voxels that the last call of `around` looked at.
+  std::size_t visits() const { return visits_; }
 
  private:
   void add(std::uint32_t u, std::uint32_t mark) {
@@ -36,6 +40,7 @@ class TwoRings {
   const VoxelAdjacency& adjacency_;
   std::vector<std::uint32_t> seen_;
   std::vector<std::uint32_t> rings_;
+  std::size_t visits_ = 0;
 };
 
 class Refit {
@@ -100,16 +105,18 @@ class Refit {
 absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
                             double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
                             const StopToken& stop, std::vector<Vec3>& normals) {
-  constexpr std::size_t kStopInterval = 2048;
   const std::vector<Vec3> first = normals;
   parallel_ranges(grid.size(), threads, [&](std::size_t begin, std::size_t end) {
     TwoRings rings(adjacency);
     Refit refit(grid, first, options);
+    StopCheck check(stop, threads);
     for (std::size_t i = begin; i < end; ++i) {
-      if ((i - begin) % kStopInterval == 0 && stop.stopped()) return;
       const auto v = static_cast<std::uint32_t>(i);
+      if (check.after(1)) return;
       if (first[v] == Vec3{}) continue;
-      normals[v] = refit.normal(v, rings.around(v), voxel_edge(voxel_resolution, view, grid.centroid[v]));
+      const std::vector<std::uint32_t>& neighbors = rings.around(v);
+      if (check.after(rings.visits() + neighbors.size())) return;
+      normals[v] = refit.normal(v, neighbors, voxel_edge(voxel_resolution, view, grid.centroid[v]));
     }
   });
   return stop.check();

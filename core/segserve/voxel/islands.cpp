@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "segserve/math/radix_sort.hpp"
+
 namespace segserve {
 namespace {
 
@@ -34,19 +36,21 @@ class Components {
 };
 
 Components components_of(const VoxelGrid& grid, const View& view, double voxel_resolution,
-                         const VoxelAdjacency& adjacency) {
+                         const VoxelAdjacency& adjacency, StopCheck& check) {
   std::vector<double> area(grid.size());
-  for (std::size_t v = 0; v < area.size(); ++v) {
+  check.for_each(0, area.size(), [&](std::size_t v) {
     const double edge = voxel_edge(voxel_resolution, view, grid.centroid[v]);
     area[v] = edge * edge;
-  }
+  });
   Components components(std::move(area));
-  for (std::uint32_t v = 0; v < grid.size(); ++v) {
+  check.for_each(0, grid.size(), [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
     for (const std::uint32_t u : adjacency.of(v)) {
       if (u > v) break;
       components.unite(u, v);
     }
-  }
+    return 1 + adjacency.of(v).size();
+  });
   return components;
 }
 
@@ -71,17 +75,37 @@ void for_block_around(const VoxelGrid& grid, std::uint32_t v, int reach, Callbac
   }
 }
 
-/// Both directions of each bridge become neighbours; ascending and distinct.
-void add_bridges(std::vector<Bridge>& bridges, VoxelAdjacency& adjacency) {
-  for (std::size_t i = 0, count = bridges.size(); i < count; ++i) bridges.push_back({bridges[i].to, bridges[i].from});
-  std::ranges::sort(bridges);
-  bridges.erase(std::unique(bridges.begin(), bridges.end()), bridges.end());
+/// Both directions of each bridge; ascending and distinct.
+std::vector<Bridge> both_ways(const std::vector<Bridge>& bridges, StopCheck& check) {
+  std::vector<std::uint64_t> keys;
+  keys.reserve(2 * bridges.size());
+  check.for_each(0, bridges.size(), [&](std::size_t i) {
+    const auto [from, to] = bridges[i];
+    keys.push_back(std::uint64_t{from} << 32U | to);
+    keys.push_back(std::uint64_t{to} << 32U | from);
+  });
+  std::vector<std::uint32_t> order;
+  math::sort_order(keys, order, check);
+  std::vector<Bridge> result;
+  result.reserve(keys.size());
+  check.for_each(0, keys.size(), [&](std::size_t i) {
+    const std::uint64_t key = keys[order[i]];
+    const Bridge bridge{static_cast<std::uint32_t>(key >> 32U), static_cast<std::uint32_t>(key)};
+    if (result.empty() || bridge != result.back()) result.push_back(bridge);
+  });
+  return result;
+}
+
+/// Both ends of each bridge become neighbours of one another.
+void add_bridges(const std::vector<Bridge>& one_way, StopCheck& check, VoxelAdjacency& adjacency) {
+  const std::vector<Bridge> bridges = both_ways(one_way, check);
   VoxelAdjacency result;
   result.offset.reserve(adjacency.offset.size());
   result.neighbor.reserve(adjacency.neighbor.size() + bridges.size());
   result.offset.push_back(0);
   auto bridge = bridges.begin();
-  for (std::uint32_t v = 0; v + 1 < adjacency.offset.size(); ++v) {
+  check.for_each(0, adjacency.offset.size() - 1, [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
     const auto old = adjacency.of(v);
     const auto middle = result.neighbor.insert(result.neighbor.end(), old.begin(), old.end()) - result.neighbor.begin();
     const auto grown = static_cast<std::ptrdiff_t>(result.neighbor.size());
@@ -89,7 +113,8 @@ void add_bridges(std::vector<Bridge>& bridges, VoxelAdjacency& adjacency) {
     const auto begin = result.neighbor.begin();
     std::inplace_merge(begin + middle, begin + grown, result.neighbor.end());
     result.offset.push_back(static_cast<std::uint32_t>(result.neighbor.size()));
-  }
+    return result.offset[i + 1] - result.offset[i] + std::uint64_t{1};
+  });
   adjacency = std::move(result);
 }
 
@@ -97,29 +122,35 @@ void add_bridges(std::vector<Bridge>& bridges, VoxelAdjacency& adjacency) {
 
 absl::Status bridge_islands(const VoxelGrid& grid, const View& view, double voxel_resolution,
                             const IslandOptions& options, const StopToken& stop, VoxelAdjacency& adjacency) {
-  constexpr std::size_t kStopInterval = 1024;
-  Components components = components_of(grid, view, voxel_resolution, adjacency);
+  StopCheck check(stop);
+  Components components = components_of(grid, view, voxel_resolution, adjacency, check);
   const auto is_island = [&](std::uint32_t component) { return components.area(component) < options.area; };
   std::vector<std::uint32_t> on_islands(grid.size());
   std::iota(on_islands.begin(), on_islands.end(), 0U);
   std::vector<Bridge> bridges;
   for (int reach = 2; reach <= options.reach; ++reach) {
-    std::erase_if(on_islands, [&](std::uint32_t v) { return !is_island(components.of(v)); });
+    std::size_t left = 0;
+    check.for_each(0, on_islands.size(), [&](std::size_t i) {
+      if (is_island(components.of(on_islands[i]))) on_islands[left++] = on_islands[i];
+    });
+    on_islands.resize(left);
     const std::size_t first = bridges.size();
-    for (std::size_t i = 0; i < on_islands.size(); ++i) {
-      if (i % kStopInterval == 0 && stop.stopped()) return stop.check();
+    check.for_each(0, on_islands.size(), [&](std::size_t i) {
+      auto visits = static_cast<std::uint64_t>((2 * reach + 1) * (2 * reach + 1));  // rows
       const std::uint32_t v = on_islands[i], home = components.of(v);
       for_block_around(grid, v, reach, [&](std::uint32_t u) {
+        ++visits;
         const std::uint32_t other = components.of(u);
         // Of two islands, each finds the other.
         if (other != home && (u > v || !is_island(other))) bridges.push_back({v, u});
       });
-    }
+      return visits;
+    });
     // Only now, so that what a voxel finds does not depend on its turn.
-    for (std::size_t i = first; i < bridges.size(); ++i) components.unite(bridges[i].from, bridges[i].to);
+    check.for_each(first, bridges.size(), [&](std::size_t i) { components.unite(bridges[i].from, bridges[i].to); });
   }
-  if (!bridges.empty()) add_bridges(bridges, adjacency);
-  return absl::OkStatus();
+  if (!bridges.empty() && !check.stopped()) add_bridges(bridges, check, adjacency);
+  return stop.check();
 }
 
 }  // namespace segserve

@@ -30,10 +30,14 @@ Vec3 plane_normal(const Moments& m) {
 /// rings have the moments M + A M + A (A M): two sparse passes instead of a visit to 81 voxels.
 class TwoRingMoments {
  public:
-  TwoRingMoments(const VoxelGrid& grid, const VoxelAdjacency& adjacency, unsigned threads)
+  TwoRingMoments(const VoxelGrid& grid, const VoxelAdjacency& adjacency, unsigned threads, const StopToken& stop)
       : grid_(grid), adjacency_(adjacency), ring_(grid.size()) {
     parallel_ranges(grid.size(), threads, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) ring_[v] = one_ring(static_cast<std::uint32_t>(v));
+      StopCheck(stop, threads).for_each(begin, end, [this](std::size_t i) {
+        const auto v = static_cast<std::uint32_t>(i);
+        ring_[v] = one_ring(v);
+        return 1 + adjacency_.of(v).size();
+      });
     });
   }
 
@@ -87,15 +91,16 @@ Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view) 
 
 absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view, unsigned threads,
                              const StopToken& stop, std::vector<Vec3>& normals) {
-  constexpr std::size_t kStopInterval = 4096;
   normals.resize(grid.size());
-  const TwoRingMoments moments(grid, adjacency, threads);
+  const TwoRingMoments moments(grid, adjacency, threads, stop);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   parallel_ranges(grid.size(), threads, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) {
-      if ((v - begin) % kStopInterval == 0 && stop.stopped()) return;
-      const Vec3 normal = plane_normal(moments.about(static_cast<std::uint32_t>(v)));
+    StopCheck(stop, threads).for_each(begin, end, [&](std::size_t i) {
+      const auto v = static_cast<std::uint32_t>(i);
+      const Vec3 normal = plane_normal(moments.about(v));
       normals[v] = view.has_sensor() ? turn_to_sensor(normal, grid.centroid[v], view) : normal;
-    }
+      return 1 + adjacency.of(v).size();
+    });
   });
   if (absl::Status status = stop.check(); !status.ok()) return status;
   return view.has_sensor() ? absl::OkStatus() : orient_consistently(adjacency, stop, normals);

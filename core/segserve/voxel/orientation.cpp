@@ -17,11 +17,11 @@ class Propagation {
   /// `known`: voxels whose normals have the right side.
   Propagation(const VoxelAdjacency& adjacency, const StopToken& stop, std::vector<bool> known,
               std::vector<Vec3>& normals)
-      : adjacency_(adjacency), stop_(stop), normals_(normals), reached_(std::move(known)) {}
+      : adjacency_(adjacency), stop_(stop), check_(stop), normals_(normals), reached_(std::move(known)) {}
 
   /// From what is known to all that it is connected with.
   absl::Status spread_known() {
-    for (std::uint32_t v = 0; v < normals_.size(); ++v) {
+    for (std::uint32_t v = 0; v < normals_.size() && !check_.after(1); ++v) {
       if (reached_[v]) add_edges(v);
     }
     component_.clear();
@@ -31,13 +31,14 @@ class Propagation {
   /// Each component not reached yet starts from its smallest voxel, and is turned as a whole unless `keeps_side`.
   template <typename KeepsSide>
   absl::Status orient_the_rest(KeepsSide&& keeps_side) {
-    for (std::uint32_t v = 0; v < normals_.size(); ++v) {
+    for (std::uint32_t v = 0; v < normals_.size() && !check_.after(1); ++v) {
       if (reached_[v]) continue;
       component_.clear();
       reach(v);
       if (absl::Status status = drain(); !status.ok()) return status;
-      if (keeps_side(component_)) continue;
-      for (const std::uint32_t u : component_) normals_[u] = -normals_[u];
+      if (keeps_side(component_, check_)) continue;
+      check_.for_each(0, component_.size(),
+                      [this](std::size_t i) { normals_[component_[i]] = -normals_[component_[i]]; });
     }
     return stop_.check();
   }
@@ -50,9 +51,8 @@ class Propagation {
   };
 
   absl::Status drain() {
-    constexpr std::size_t kStopInterval = 1U << 16U;
-    for (std::size_t step = 1; !frontier_.empty(); ++step) {
-      if (step % kStopInterval == 0 && stop_.stopped()) return stop_.check();
+    while (!frontier_.empty()) {
+      if (check_.after(1)) return stop_.check();
       const Step edge = frontier_.top();
       frontier_.pop();
       if (reached_[edge.to]) continue;
@@ -69,6 +69,7 @@ class Propagation {
   }
 
   void add_edges(std::uint32_t v) {
+    check_.after(adjacency_.of(v).size());
     for (const std::uint32_t u : adjacency_.of(v)) {
       if (!reached_[u]) frontier_.push({1 - std::fabs(dot(normals_[v], normals_[u])), v, u});
     }
@@ -76,6 +77,7 @@ class Propagation {
 
   const VoxelAdjacency& adjacency_;
   const StopToken& stop_;
+  StopCheck check_;
   std::vector<Vec3>& normals_;
   std::vector<bool> reached_;
   std::vector<std::uint32_t> component_;
@@ -86,9 +88,9 @@ class Propagation {
 
 absl::Status orient_consistently(const VoxelAdjacency& adjacency, const StopToken& stop, std::vector<Vec3>& normals) {
   Propagation propagation(adjacency, stop, std::vector<bool>(normals.size(), false), normals);
-  return propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
+  return propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component, StopCheck& check) {
     Vec3 sum;
-    for (const std::uint32_t v : component) sum += normals[v];
+    check.for_each(0, component.size(), [&](std::size_t i) { sum += normals[component[i]]; });
     return std::tie(sum.z, sum.y, sum.x) >= std::make_tuple(0.0, 0.0, 0.0);
   });
 }
@@ -98,18 +100,21 @@ absl::Status orient_hidden(const VoxelGrid& grid, const VoxelAdjacency& adjacenc
   constexpr double kGrazing = 0.3;  // cosine below which a side says little
   const Vec3 sensor{(*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]};
   const auto facing = [&](std::uint32_t v) { return dot(normals[v], unit(sensor - grid.centroid[v])); };
-  const std::vector<bool> seen = seen_from(sensor, grid, voxel_resolution);
+  const std::vector<bool> seen = seen_from(sensor, grid, voxel_resolution, stop);
   std::vector<bool> known(grid.size());
-  for (std::uint32_t v = 0; v < grid.size(); ++v) {
+  StopCheck(stop).for_each(0, grid.size(), [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
     bool sure = seen[v] && facing(v) >= kGrazing;
     for (const std::uint32_t u : adjacency.of(v)) sure = sure && seen[u];
     known[v] = sure;
-  }
+    return 1 + adjacency.of(v).size();
+  });
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   Propagation propagation(adjacency, stop, std::move(known), normals);
   if (absl::Status status = propagation.spread_known(); !status.ok()) return status;
-  return propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
+  return propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component, StopCheck& check) {
     double sum = 0;
-    for (const std::uint32_t v : component) sum += facing(v);
+    check.for_each(0, component.size(), [&](std::size_t i) { sum += facing(component[i]); });
     return sum >= 0;
   });
 }

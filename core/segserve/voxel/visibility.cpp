@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 namespace segserve {
@@ -11,7 +12,8 @@ namespace {
 /// Least distance in every direction, on the faces of a cube around the sensor.
 class DirectionCube {
  public:
-  void cover(const Vec3& offset, float distance, double radius) {
+  /// Returns the number of cells.
+  std::uint64_t cover(const Vec3& offset, float distance, double radius) {
     const Spot s = spot(offset);
     // Few voxels are so near that they would cover more; the rest of their cells stays open.
     constexpr int kMost = 32;
@@ -23,6 +25,7 @@ class DirectionCube {
         nearest = std::min(nearest, distance);
       }
     }
+    return static_cast<std::uint64_t>(2 * r + 1) * static_cast<std::uint64_t>(2 * r + 1);
   }
 
   float nearest(const Vec3& offset) const {
@@ -59,19 +62,20 @@ class DirectionCube {
 
 }  // namespace
 
-std::vector<bool> seen_from(const Vec3& sensor, const VoxelGrid& grid, double voxel_resolution) {
+std::vector<bool> seen_from(const Vec3& sensor, const VoxelGrid& grid, double voxel_resolution, const StopToken& stop) {
   constexpr double kMargin = 2;  // voxels
   DirectionCube cube;
   std::vector<float> distance(grid.size());
-  for (std::size_t v = 0; v < grid.size(); ++v) {
+  StopCheck check(stop);
+  check.for_each(0, grid.size(), [&](std::size_t v) {
     const Vec3 offset = grid.centroid[v] - sensor;
     distance[v] = static_cast<float>(norm(offset));
-    cube.cover(offset, distance[v], voxel_resolution);
-  }
+    return cube.cover(offset, distance[v], voxel_resolution);
+  });
   std::vector<bool> seen(grid.size());
-  for (std::size_t v = 0; v < grid.size(); ++v) {
+  check.for_each(0, grid.size(), [&](std::size_t v) {
     seen[v] = distance[v] <= cube.nearest(grid.centroid[v] - sensor) + kMargin * voxel_resolution;
-  }
+  });
   return seen;
 }
 

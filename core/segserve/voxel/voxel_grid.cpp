@@ -25,8 +25,7 @@ struct Sums {
   }
 };
 
-constexpr std::size_t kChunk = 2048;              // points whose keys are kept in the first cache
-constexpr std::size_t kStopInterval = 1U << 15U;  // points between two looks at the stop token
+constexpr std::size_t kChunk = 2048;  // points whose keys are kept in the first cache
 
 }  // namespace
 
@@ -36,7 +35,6 @@ struct VoxelizeScratch::Part {
   std::vector<Sums> sums;
   std::size_t first_invalid = SIZE_MAX;
   std::size_t finite_points = 0;
-  absl::Status stopped;
 };
 
 VoxelizeScratch::VoxelizeScratch() = default;
@@ -53,17 +51,15 @@ class RangeVoxelizer {
                  std::span<std::uint32_t> slot_of_point)
       : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
 
-  void run(std::size_t begin, std::size_t end, const StopToken& stop) {
+  void run(std::size_t begin, std::size_t end, StopCheck& check) {
     part_.table.clear();
     part_.key.clear();
     part_.sums.clear();
     part_.first_invalid = SIZE_MAX;
     part_.finite_points = 0;
-    part_.stopped = absl::OkStatus();
     for (std::size_t first = begin; first < end; first += kChunk) {
-      if ((first - begin) % kStopInterval == 0) part_.stopped = stop.check();
-      if (!part_.stopped.ok()) return;
       const std::size_t last = std::min(first + kChunk, end);
+      if (check.after(last - first)) return;
       if (cloud_.view.kind == ViewKind::kCamera) {
         selection_.all() ? compute_keys<ViewKind::kCamera, false>(first, last)
                          : compute_keys<ViewKind::kCamera, true>(first, last);
@@ -184,12 +180,13 @@ absl::Status invalid_point(const CloudView& cloud, const CellMapping& mapping, d
 }
 
 /// Gathers the voxels of all parts in the first, and makes the slots of the others those of the first.
-void unite_parts(std::vector<Part>& parts, std::size_t points, unsigned threads,
+void unite_parts(std::vector<Part>& parts, std::size_t points, unsigned threads, const StopToken& stop,
                  std::vector<std::uint32_t>& slot_of_point) {
+  StopCheck check(stop);
   std::vector<std::vector<std::uint32_t>> united(parts.size());
   for (std::size_t p = 1; p < parts.size(); ++p) {
     united[p].assign(parts[p].key.size() + 1, 0);
-    for (std::size_t s = 0; s < parts[p].key.size(); ++s) {
+    const bool complete = check.for_each(0, parts[p].key.size(), [&](std::size_t s) {
       const std::uint32_t slot = parts[0].table.find_or_insert(parts[p].key[s]);
       if (slot > parts[0].sums.size()) {
         parts[0].key.push_back(parts[p].key[s]);
@@ -197,17 +194,22 @@ void unite_parts(std::vector<Part>& parts, std::size_t points, unsigned threads,
       }
       parts[0].sums[slot - 1].add(parts[p].sums[s]);
       united[p][s + 1] = slot;
-    }
+    });
+    if (!complete) return;
     parts[0].finite_points += parts[p].finite_points;
   }
   parallel_parts(points, threads, [&](unsigned part, std::size_t begin, std::size_t end) {
     if (part == 0) return;
-    for (std::size_t i = begin; i < end; ++i) slot_of_point[i] = united[part][slot_of_point[i]];
+    StopCheck(stop, threads).for_each(begin, end, [&](std::size_t i) {
+      slot_of_point[i] = united[part][slot_of_point[i]];
+    });
   });
 }
 
-void sort_voxels(const Part& part, double unit, std::vector<std::uint32_t>& order, VoxelGrid& grid) {
-  math::sort_order(part.key, order);
+void sort_voxels(const Part& part, double unit, const StopToken& stop, std::vector<std::uint32_t>& order,
+                 VoxelGrid& grid) {
+  StopCheck check(stop);
+  math::sort_order(part.key, order, check);
   const std::size_t count = order.size();
   grid.key.resize(count);
   grid.centroid.resize(count);
@@ -215,7 +217,7 @@ void sort_voxels(const Part& part, double unit, std::vector<std::uint32_t>& orde
   grid.points.resize(count);
   grid.voxel_of_slot.resize(count + 1);
   grid.voxel_of_slot[0] = 0;
-  for (std::size_t v = 0; v < count; ++v) {
+  check.for_each(0, count, [&](std::size_t v) {
     const std::uint32_t slot = order[v];
     const Sums& sums = part.sums[slot];
     const double scale = unit / sums.points;
@@ -226,7 +228,7 @@ void sort_voxels(const Part& part, double unit, std::vector<std::uint32_t>& orde
                          static_cast<double>(sums.blue)};
     grid.points[v] = sums.points;
     grid.voxel_of_slot[slot + 1] = static_cast<std::uint32_t>(v);
-  }
+  });
 }
 
 }  // namespace
@@ -237,36 +239,37 @@ absl::Status voxelize(const CloudView& cloud, double resolution, unsigned thread
   if (scratch.parts.size() != threads) scratch.parts = std::vector<Part>(threads);
   grid.slot_of_point.resize(cloud.size());
   parallel_parts(cloud.size(), threads, [&](unsigned part, std::size_t begin, std::size_t end) {
-    RangeVoxelizer(cloud, selection, mapping, scratch.parts[part], grid.slot_of_point).run(begin, end, stop);
+    StopCheck check(stop, threads);
+    RangeVoxelizer(cloud, selection, mapping, scratch.parts[part], grid.slot_of_point).run(begin, end, check);
   });
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   for (const Part& part : scratch.parts) {
-    if (!part.stopped.ok()) return part.stopped;
     if (part.first_invalid != SIZE_MAX) return invalid_point(cloud, mapping, resolution, part.first_invalid);
   }
-  unite_parts(scratch.parts, cloud.size(), threads, grid.slot_of_point);
+  unite_parts(scratch.parts, cloud.size(), threads, stop, grid.slot_of_point);
   grid.finite_points = scratch.parts[0].finite_points;
-  sort_voxels(scratch.parts[0], mapping.unit(), scratch.order, grid);
-  return absl::OkStatus();
+  sort_voxels(scratch.parts[0], mapping.unit(), stop, scratch.order, grid);
+  return stop.check();
 }
 
-void remove_voxels(const std::vector<bool>& removed, VoxelGrid& grid) {
+void remove_voxels(const std::vector<bool>& removed, const StopToken& stop, VoxelGrid& grid) {
+  StopCheck check(stop);
   std::vector<std::uint32_t> moved_to(grid.size(), kNoVoxel);
   std::uint32_t left = 0;
-  for (std::size_t v = 0; v < grid.size(); ++v) {
-    if (removed[v]) continue;
+  check.for_each(0, grid.size(), [&](std::size_t v) {
+    if (removed[v]) return;
     grid.key[left] = grid.key[v];
     grid.centroid[left] = grid.centroid[v];
     grid.color_sum[left] = grid.color_sum[v];
     grid.points[left] = grid.points[v];
     moved_to[v] = left++;
-  }
+  });
   grid.key.resize(left);
   grid.centroid.resize(left);
   grid.color_sum.resize(left);
   grid.points.resize(left);
-  for (std::size_t slot = 1; slot < grid.voxel_of_slot.size(); ++slot) {
-    grid.voxel_of_slot[slot] = moved_to[grid.voxel_of_slot[slot]];
-  }
+  check.for_each(1, grid.voxel_of_slot.size(),
+                 [&](std::size_t slot) { grid.voxel_of_slot[slot] = moved_to[grid.voxel_of_slot[slot]]; });
 }
 
 }  // namespace segserve

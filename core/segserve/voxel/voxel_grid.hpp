@@ -58,7 +58,8 @@ struct VoxelizeScratch {
 absl::Status voxelize(const CloudView& cloud, double resolution, unsigned threads, const StopToken& stop,
                       VoxelizeScratch& scratch, VoxelGrid& grid, const Selection& selection = {});
 
-/// Takes voxels (V flags) out of the grid, as if their points had not been selected.
-void remove_voxels(const std::vector<bool>& removed, VoxelGrid& grid);
+/// Takes voxels (V flags) out of the grid, as if their points had not been selected. If
+/// stopped, the grid is useless.
+void remove_voxels(const std::vector<bool>& removed, const StopToken& stop, VoxelGrid& grid);
 
 }  // namespace segserve

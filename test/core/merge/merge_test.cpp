@@ -47,7 +47,9 @@ MergeTree merge_naively(const RegionGraph& graph, PaperMetric metric) {
     }
     edges = std::move(renamed);
   }
-  tree.join_components();
+  const StopToken never;
+  StopCheck check(never);
+  tree.join_components(check);
   return std::move(tree).finish();
 }
 
