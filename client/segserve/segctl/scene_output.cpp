@@ -77,6 +77,14 @@ std::string SceneOutput::encode(const CloudView& cloud, std::span<const std::uin
   return codec::encode_ply(cloud, labels, ascii ? codec::PlyEncoding::kAscii : codec::PlyEncoding::kBinaryLittleEndian);
 }
 
+std::string SceneOutput::encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> labels) const {
+  if (color_ == "own") return codec::encode_pcd(cloud, labels, pcd_encoding(encoding_));
+  const std::vector<std::uint32_t> colors = segment_colors(labels);
+  CloudView painted = cloud;
+  painted.rgb = colors;
+  return codec::encode_pcd(painted, labels, pcd_encoding(encoding_));
+}
+
 void SceneOutput::add(StagedOutput& output, const CloudView& cloud, std::span<const std::uint32_t> labels) const {
   if (!cloud_path_.empty() && color_ == "own") {
     output.add(cloud_path_, encode(cloud, labels));

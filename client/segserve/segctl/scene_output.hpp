@@ -24,6 +24,9 @@ class SceneOutput {
   /// Checks the flags and announces the files.
   absl::Status announce(StagedOutput& output) const;
 
+  /// The labelled cloud as a PCD file, with the encoding and colour that the flags say.
+  std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> labels) const;
+
   /// Encodes cloud and picture; `labels` has one entry per point.
   void add(StagedOutput& output, const CloudView& cloud, std::span<const std::uint32_t> labels) const;
 

@@ -1,10 +1,15 @@
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "fmt/format.h"
 #include "segserve/client/payload.hpp"
@@ -12,6 +17,7 @@
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/codec/ply_header.hpp"
 #include "segserve/pipeline/segment.hpp"
+#include "segserve/segctl/batch.hpp"
 #include "segserve/segctl/codec_flags.hpp"
 #include "segserve/segctl/command.hpp"
 #include "segserve/segctl/input_file.hpp"
@@ -38,6 +44,7 @@ constexpr const char* kFooter = R"(Examples:
   segctl segment scene.pcd --local --method equalization --regions 12 -o - | other-program
   segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
   segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd
+  segctl segment scans/ --out-dir labelled/    # goes on where it was stopped
 
 Points that are not finite, that the crop box or the range leaves out, or that are removed with the
 support plane get label 0; segments are numbered 1, 2, .. by descending size.
@@ -47,10 +54,16 @@ is WORLD with the sensor at VIEWPOINT, and a PLY is WORLD without a sensor. Imag
 Lossy codecs move points by at most their error bound; labels still come back in the order of the input. With --local and a
 codec the points are segmented as a server would see them.
 
-Exit codes: 0 done; 1 failed (server unreachable, time over, disk full); 2 bad input or usage.)";
+With --out-dir a file that fails stops no other; errors are listed at the end, one a line.
+
+Exit codes: 0 done; 1 failed (server unreachable, time over, disk full); 2 bad input or usage. Of many files: 2 if all
+that failed were bad input, else 1.)";
 
 struct Arguments {
-  std::string scene;
+  std::vector<std::string> scenes;
+  std::string scene;  ///< the only one, without --out-dir
+  std::string out_dir;
+  std::size_t parallel = 0;
   OptionFlags options;
   std::string view;
   ServerFlags server;
@@ -65,7 +78,9 @@ struct Arguments {
 };
 
 void add_flags(CLI::App& app, Arguments& arguments) {
-  app.add_option("SCENE", arguments.scene, "PCD (ascii, binary, binary_compressed) or PLY file; - is standard input");
+  app.add_option(
+      "SCENE", arguments.scenes,
+      "PCD (ascii, binary, binary_compressed) or PLY file; - is standard input; with --out-dir many, or folders");
   arguments.rgbd.add_to(app);
   arguments.options.add_to(app);
   app.add_option("--view", arguments.view,
@@ -86,17 +101,35 @@ void add_flags(CLI::App& app, Arguments& arguments) {
   app.add_option("--result", arguments.result_path, "save the result with its merge tree, for segctl cut")
       ->type_name("FILE")
       ->group("Output");
-  app.add_option("--json", arguments.json_path, "write the summary as one JSON object; - is standard output")
+  CLI::Option* out_dir =
+      app.add_option(
+             "--out-dir", arguments.out_dir,
+             "for many files: write DIR/NAME.pcd, labelled, and DIR/NAME.json of each, unless they are there and "
+             "of the same options")
+          ->type_name("DIR")
+          ->group("Output");
+  app.add_option("--parallel", arguments.parallel, "files at the same time; default 4, with --local one per CPU")
+      ->check(CLI::Range(1, 256))
+      ->needs(out_dir)
+      ->group("Output");
+  app.add_option("--json", arguments.json_path,
+                 "write the summary as one JSON object, with --out-dir one a file and line; - is standard output")
       ->type_name("FILE")
       ->group("Output");
   app.add_flag("-q,--quiet", arguments.quiet, "print no summary")->group("Output");
 }
 
 absl::Status check_combination(const Arguments& arguments) {
-  if (arguments.scene.empty() && !arguments.rgbd.given()) {
+  const bool many = !arguments.out_dir.empty();
+  if (many && (arguments.scene_output.wanted() || !arguments.result_path.empty() || !arguments.request_id.empty() ||
+               arguments.rgbd.given())) {
+    return absl::InvalidArgumentError("--out-dir excludes -o, --picture, --result, --request-id and RGB-D images");
+  }
+  if (!many && arguments.scenes.size() > 1) return absl::InvalidArgumentError("more than one SCENE needs --out-dir");
+  if (arguments.scenes.empty() && !arguments.rgbd.given()) {
     return absl::InvalidArgumentError("SCENE is required, or --depth and --intrinsics (see segctl segment --help)");
   }
-  if (!arguments.scene.empty() && arguments.rgbd.given()) {
+  if (!arguments.scenes.empty() && arguments.rgbd.given()) {
     return absl::InvalidArgumentError("SCENE and RGB-D images exclude each other");
   }
   if (arguments.rgbd.given() && !arguments.view.empty()) {
@@ -158,16 +191,21 @@ absl::Status read_files(const Arguments& arguments, Job& job) {
   return absl::OkStatus();
 }
 
+absl::StatusOr<std::optional<View>> given_view(const Arguments& arguments) {
+  if (arguments.view.empty()) return std::nullopt;
+  const auto view = parse_view(arguments.view);
+  if (!view.ok()) return view.status();
+  return *view;
+}
+
 absl::StatusOr<Job> prepare(const Arguments& arguments) {
   Job job;
   auto options = arguments.options.options();
   if (!options.ok()) return options.status();
   job.options = *options;
-  if (!arguments.view.empty()) {
-    const auto view = parse_view(arguments.view);
-    if (!view.ok()) return view.status();
-    job.view = *view;
-  }
+  const auto view = given_view(arguments);
+  if (!view.ok()) return view.status();
+  job.view = *view;
   const auto codec = arguments.codec.options();
   if (!codec.ok()) return codec.status();
   job.codec = *codec;
@@ -229,9 +267,55 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-absl::Status run(const Arguments& arguments) {
+absl::Status prepare_remote(const Arguments& arguments, BatchJob& job) {
+  auto client = arguments.server.connect();
+  if (!client.ok()) return client.status();
+  // Before a run in which every file would fail for the same reason.
+  if (const auto info = client->server_info(); !info.ok()) return info.status();
+  job.client = *std::move(client);
+  job.server = arguments.server.address();
+  job.stream.client_name = "segctl segment";
+  job.stream.options = job.options;
+  job.stream.outputs = {.labels = true};
+  job.stream.outputs.compression = answer_compression(job.codec);
+  job.stream.frame_timeout = *arguments.server.timeout();
+  return absl::OkStatus();
+}
+
+absl::Status run_many(const Arguments& arguments) {
+  BatchJob job;
+  const auto options = arguments.options.options();
+  if (!options.ok()) return options.status();
+  job.options = *options;
+  const auto view = given_view(arguments);
+  if (!view.ok()) return view.status();
+  job.view = *view;
+  const auto codec = arguments.codec.options();
+  if (!codec.ok()) return codec.status();
+  job.codec = *codec;
+  std::error_code error;
+  if (!std::filesystem::is_directory(arguments.out_dir, error)) {
+    return absl::InvalidArgumentError(fmt::format("--out-dir: there is no folder {}", arguments.out_dir));
+  }
+  auto inputs = batch_inputs(arguments.scenes, arguments.out_dir);
+  if (!inputs.ok()) return inputs.status();
+  job.inputs = *std::move(inputs);
+  const std::size_t usual = arguments.local ? std::max(1U, std::thread::hardware_concurrency()) : 4;
+  job.parallel = arguments.parallel == 0 ? usual : arguments.parallel;
+  job.format = &arguments.scene_output;
+  job.json_path = arguments.json_path;
+  job.quiet = arguments.quiet;
+  if (!arguments.local) {
+    if (absl::Status status = prepare_remote(arguments, job); !status.ok()) return status;
+  }
+  return run_batch(job);
+}
+
+absl::Status run(Arguments& arguments) {
   StagedOutput output;
   if (absl::Status status = check_combination(arguments); !status.ok()) return status;
+  if (!arguments.out_dir.empty()) return run_many(arguments);
+  if (!arguments.scenes.empty()) arguments.scene = arguments.scenes.front();
   if (absl::Status status = announce_outputs(arguments, output); !status.ok()) return status;
   auto job = prepare(arguments);
   if (!job.ok()) return job.status();

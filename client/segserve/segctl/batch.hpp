@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "segserve/client/client.hpp"
+#include "segserve/segctl/batch_inputs.hpp"
+#include "segserve/segctl/scene_output.hpp"
+#include "segserve/wire/codec.hpp"
+
+namespace segserve::segctl {
+
+/// `segctl segment` on many files.
+struct BatchJob {
+  std::vector<BatchInput> inputs;
+  Options options;
+  std::optional<View> view;              ///< unset: what each file says
+  std::size_t parallel = 4;              ///< files at the same time
+  std::optional<client::Client> client;  ///< unset: in this process
+  std::string server;                    ///< its address, for summaries
+  client::StreamOptions stream;
+  std::optional<wire::CodecOptions> codec;  ///< unset: the points as they are; also in this process
+  const SceneOutput* format = nullptr;      ///< encoding and colour of the labelled clouds
+  std::string json_path;                    ///< one JSON object a file, a line each; "-": standard output; empty: none
+  bool quiet = false;
+};
+
+/// Segments every file whose output is not there yet. Each output appears whole or not at all, so that a run that was
+/// stopped goes on where it was. A file that fails stops no other: errors are listed at the end. The status is OK if
+/// no file failed; INVALID_ARGUMENT if it was the fault of files alone.
+absl::Status run_batch(const BatchJob& job);
+
+}  // namespace segserve::segctl

@@ -1,0 +1,129 @@
+"""segctl segment on many files: parallel, goes on where it was stopped, and a bad file stops no other."""
+import json
+import os
+import pathlib
+import unittest
+
+from harness import BAD_INPUT, FAILED, SUCCESS, EndToEnd, Server, segctl
+import pcd
+
+SMALL = ("--width", "160", "--height", "120")
+
+
+class Batch(EndToEnd):
+    def setUp(self):
+        self.inputs, self.outputs = self.path("in"), self.path("out")
+        self.inputs.mkdir()
+        self.outputs.mkdir()
+        for seed in range(1, 5):
+            self.run_well("synth", "-o", self.inputs / f"scene{seed}.pcd", "-q", "--seed", seed, *SMALL)
+        self.run_well("synth", "-o", self.inputs / "last.ply", "-q", "--seed", 9, *SMALL)
+        (self.inputs / "notes.txt").write_text("not a cloud, not an input")
+
+    def batch(self, *flags, where=None):
+        where = ("--server", self.server.address) if where is None else where
+        return segctl("segment", self.inputs, "--out-dir", self.outputs, "--json", "-", *where, *flags)
+
+    def states(self, done):
+        lines = [json.loads(line) for line in done.stdout.decode().splitlines()]
+        return {pathlib.Path(line["input"]).name: line["state"] for line in lines}
+
+    def contents(self):
+        return {path.name: path.read_bytes() for path in self.outputs.iterdir() if path.suffix == ".pcd"}
+
+    def test_gives_what_one_by_one_gives_with_and_without_server(self):
+        done = self.batch()
+        self.assertEqual((done.returncode, done.stderr), (SUCCESS, b""))
+        self.assertEqual(set(self.states(done).values()), {"segmented"})
+        self.assertEqual(sorted(path.name for path in self.outputs.iterdir()),
+                         sorted(f"{stem}.{kind}" for stem in ("scene1", "scene2", "scene3", "scene4", "last")
+                                for kind in ("pcd", "json")))
+        for name in ("scene1.pcd", "scene4.pcd", "last.ply"):
+            expected, _ = self.segment_locally(self.inputs / name)
+            self.assertEqual(pcd.read_labels(self.outputs / f"{pathlib.Path(name).stem}.pcd"), expected)
+        through_server = self.contents()
+        for path in self.outputs.iterdir():
+            path.unlink()
+        done = self.batch("--parallel", "3", where=("--local",))
+        self.assertEqual((done.returncode, done.stderr), (SUCCESS, b""))
+        self.assertEqual(self.contents(), through_server)
+
+    def test_goes_on_where_it_stopped(self):
+        self.batch()
+        (self.outputs / "scene2.pcd").unlink()
+        (self.outputs / "scene3.json").write_text('{"batch": ')  # as no run of ours leaves it
+        done = self.batch()
+        self.assertEqual(self.states(done), {"last.ply": "skipped", "scene1.pcd": "skipped", "scene2.pcd": "segmented",
+                                             "scene3.pcd": "segmented", "scene4.pcd": "skipped"})
+        self.assertEqual(set(self.states(self.batch()).values()), {"skipped"})
+        self.assertEqual(set(self.states(self.batch("--regions", "5")).values()), {"segmented"})
+        self.assertEqual(set(self.states(self.batch("--regions", "5", where=("--local",))).values()), {"skipped"})
+        self.assertEqual(set(self.states(self.batch("--codec", "quantised")).values()), {"segmented"})
+        through_server = self.contents()
+        for path in self.outputs.glob("*.json"):
+            path.unlink()
+        self.assertEqual(set(self.states(self.batch("--codec", "quantised", where=("--local",))).values()), {"segmented"})
+        self.assertEqual(self.contents(), through_server)
+
+    def test_a_bad_file_stops_no_other_and_is_told_at_the_end(self):
+        (self.inputs / "scene2.pcd").write_bytes(b"# .PCD v0.7\nno cloud")
+        os.symlink(self.path("nowhere"), self.inputs / "broken.pcd")
+        for where in (None, ("--local",)):
+            with self.subTest(where=where):
+                done = self.batch(where=where)
+                self.assertEqual(done.returncode, BAD_INPUT)
+                states = self.states(done)
+                self.assertEqual(states.pop("scene2.pcd"), "failed")
+                self.assertEqual(set(states.values()) - {"skipped"}, {"segmented"} if where is None else set())
+                errors = done.stderr.decode().splitlines()
+                self.assertEqual(len(errors), 2)
+                self.assertIn("scene2.pcd: ", errors[0])
+                self.assertEqual(errors[1], "segctl: 1 of 5 files failed")
+                self.assertFalse((self.outputs / "scene2.pcd").exists())
+
+    def test_an_error_of_one_cloud_comes_from_the_server_too(self):
+        (self.inputs / "behind.pcd").write_bytes(pcd.binary_file([(0.0, 0.0, -1.0)] * 4))
+        done = self.batch("--view", "camera")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertEqual(self.states(done)["behind.pcd"], "failed")
+        self.assertEqual(self.states(done)["scene1.pcd"], "segmented")
+
+    def test_an_output_that_cannot_be_written_is_a_failure(self):
+        (self.outputs / "scene3.pcd").mkdir()
+        done = self.batch()
+        self.assertEqual(self.states(done)["scene3.pcd"], "failed")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertEqual(sorted(path.name for path in self.outputs.iterdir() if "tmp" in path.name), [])
+
+    def test_without_server_nothing_is_tried(self):
+        line = self.run_badly(FAILED, "segment", self.inputs, "--out-dir", self.outputs, "--server", "127.0.0.1:1")
+        self.assertIn("no answer from 127.0.0.1:1", line)
+        self.assertEqual(list(self.outputs.iterdir()), [])
+
+    def test_two_servers_and_one_stops(self):
+        other = Server(self.folder)
+        self.addCleanup(other.close)
+        other.terminate()
+        done = self.batch(where=("--server", f"{other.address},{self.server.address}"))
+        self.assertEqual((done.returncode, done.stderr), (SUCCESS, b""))
+        self.assertEqual(set(self.states(done).values()), {"segmented"})
+
+    def test_wrong_usage(self):
+        scene = self.inputs / "scene1.pcd"
+        twin = self.path("twin")
+        twin.mkdir()
+        (twin / "scene1.ply").write_bytes(b"")
+        for arguments, said in (((scene, scene), "--out-dir"), ((scene, "--out-dir", self.path("none")), "no folder"),
+                                ((scene, twin, "--out-dir", self.outputs), "both be written"),
+                                ((scene, "--out-dir", self.inputs), "overwritten"),
+                                ((self.outputs, "--out-dir", self.outputs), "no PCD or PLY"),
+                                ((self.path("none"), "--out-dir", self.outputs), "there is no"),
+                                (("-", "--out-dir", self.outputs), "standard input"),
+                                ((scene, "--out-dir", self.outputs, "-o", "x.pcd"), "--out-dir excludes"),
+                                ((scene, "--parallel", "2"), "--out-dir")):
+            with self.subTest(said=said):
+                self.assertIn(said, self.run_badly(BAD_INPUT, "segment", *arguments))
+
+
+if __name__ == "__main__":
+    unittest.main()
