@@ -227,18 +227,22 @@ TEST(Stream, AnIdleStreamDoesNotHoldADrainingServer) {
 }
 
 TEST(Stream, AClientThatDoesNotReadEndsWithTheGracePeriod) {
+  std::atomic<int> segmented{0};
   ServerOptions options = small_server();
   options.grace_period = 300ms;
-  RunningServer server(options, fake_factory([](const CloudView& cloud, const Options&, const StopToken&) {
+  RunningServer server(options, fake_factory([&](const CloudView& cloud, const Options&, const StopToken&) {
                          Segmentation result;
                          result.labels.assign(cloud.size(), 70'000);
+                         ++segmented;
                          return absl::StatusOr<Segmentation>(result);
                        }));
+  const auto cloud = wire::to_planar_message(equal_points(2'000'000, 0, 0, 1), v1alpha1::COMPRESSION_ZSTD).value();
   StubStream stream(server);
   ASSERT_TRUE(stream.open());
-  for (std::uint64_t sequence = 1; sequence <= 4; ++sequence) {  // 16 MB back, beyond any window of HTTP/2
-    ASSERT_TRUE(stream.send(SentFrame(sequence, equal_points(1'000'000, 0, 0, 1))));
+  for (std::uint64_t sequence = 1; sequence <= 8; ++sequence) {  // 64 MB back, beyond any window of HTTP/2
+    ASSERT_TRUE(stream.send(SentFrame(sequence, cloud)));
   }
+  ASSERT_TRUE(eventually([&] { return segmented == 8; }));
   EXPECT_FALSE(server.server().stop());
   EXPECT_FALSE(stream.finish().ok());
 }
