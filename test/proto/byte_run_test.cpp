@@ -81,6 +81,7 @@ TEST(IncomingBytes, RefusesMoreThanWasPromised) {
 TEST(IncomingBytes, APromiseCostsNothing) {
   IncomingBytes in({std::uint64_t{1} << 60U});
   EXPECT_TRUE(in.add("a"));
+  EXPECT_EQ(IncomingBytes({UINT64_MAX, 2}).missing(), UINT64_MAX) << "sizes that overflow";
 }
 
 }  // namespace

@@ -51,7 +51,9 @@ void OutgoingBytes::skip_empty_blocks() {
 IncomingBytes::IncomingBytes(std::vector<std::uint64_t> sizes)
     : sizes_(std::move(sizes)),
       blocks_(sizes_.size()),
-      missing_(std::accumulate(sizes_.begin(), sizes_.end(), std::uint64_t{0})) {}
+      missing_(std::accumulate(
+          sizes_.begin(), sizes_.end(), std::uint64_t{0},
+          [](std::uint64_t sum, std::uint64_t size) { return sum > UINT64_MAX - size ? UINT64_MAX : sum + size; })) {}
 
 bool IncomingBytes::add(std::string_view chunk) {
   if (chunk.size() > missing_) return false;

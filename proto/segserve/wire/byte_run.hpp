@@ -50,6 +50,7 @@ class IncomingBytes {
   /// The sizes that the sender promised, block by block.
   explicit IncomingBytes(std::vector<std::uint64_t> sizes);
 
+  /// Bytes to come; the largest number there is if the promised sizes overflow.
   std::uint64_t missing() const { return missing_; }
   /// Of what has come.
   std::uint32_t crc32() const { return crc32_; }
