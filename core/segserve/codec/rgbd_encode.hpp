@@ -16,7 +16,7 @@ struct RgbdOptions {
   std::optional<Intrinsics> intrinsics = std::nullopt;  ///< unset: estimate_intrinsics
 };
 
-/// The same as RgbdImages, owned.
+/// What RgbdImages only looks at.
 struct RgbdFiles {
   std::string depth;  ///< PNG
   std::string color;  ///< JPEG; empty: no colour
@@ -24,9 +24,7 @@ struct RgbdFiles {
   Intrinsics intrinsics;
   double error_bound = 0;  ///< metres: no decoded coordinate is farther from the cloud's than this
 
-  operator RgbdImages() const {
-    return {depth, color, depth_scale, intrinsics};
-  }  // NOLINT(google-explicit-constructor)
+  RgbdImages images() const { return {depth, color, depth_scale, intrinsics}; }
 };
 
 /// The pinhole camera that sees each finite point nearest to the centre of its pixel (least squares). INVALID_ARGUMENT

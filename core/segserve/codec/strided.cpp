@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -52,8 +53,8 @@ bool is_one(const PointField& field, PointDatatype a, PointDatatype b) {
 }
 
 absl::StatusOr<FieldRoles> find_roles(const std::vector<PointField>& fields) {
-  std::vector<std::string_view> names;
-  for (const PointField& field : fields) names.push_back(field.name);
+  std::vector<std::string_view> names(fields.size());
+  std::ranges::transform(fields, names.begin(), &PointField::name);
   FieldRoles roles;
   const auto position = find_three(names, {"x", "y", "z"});
   if (!position.ok()) return position.status();

@@ -136,7 +136,8 @@ absl::Status bridge_islands(const VoxelGrid& grid, const View& view, double voxe
     on_islands.resize(left);
     const std::size_t first = bridges.size();
     check.for_each(0, on_islands.size(), [&](std::size_t i) {
-      auto visits = static_cast<std::uint64_t>((2 * reach + 1) * (2 * reach + 1));  // rows
+      const auto width = static_cast<std::uint64_t>(2 * reach) + 1;
+      std::uint64_t visits = width * width;  // rows
       const std::uint32_t v = on_islands[i], home = components.of(v);
       for_block_around(grid, v, reach, [&](std::uint32_t u) {
         ++visits;

@@ -183,7 +183,7 @@ TEST(RgbdEncode, GivesBackTheImagesAndTheCamera) {
     EXPECT_NEAR(files->intrinsics.fx, kCamera.fx, 1e-4);
     EXPECT_NEAR(files->intrinsics.cy, kCamera.cy, 1e-4);
     EXPECT_LT(files->error_bound, 1e-6);
-    const auto decoded = decode_rgbd(*files, {});
+    const auto decoded = decode_rgbd(files->images(), {});
     ASSERT_TRUE(decoded.ok()) << decoded.status();
     EXPECT_EQ(bits(decoded->z), bits(cloud.z));
     EXPECT_EQ(decoded->has_color(), color);
@@ -195,7 +195,7 @@ TEST(RgbdEncode, TheErrorThatItDeclaresIsTheLargest) {
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.z[i] += 0.0004F * static_cast<float>(i % 3);
   const auto files = encode_rgbd(cloud, {.intrinsics = kCamera});
   ASSERT_TRUE(files.ok()) << files.status();
-  const Cloud decoded = decode_rgbd(*files, {}).value();
+  const Cloud decoded = decode_rgbd(files->images(), {}).value();
   double largest = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const bool finite = is_finite(cloud.x[i], cloud.y[i], cloud.z[i]);
