@@ -20,7 +20,7 @@ struct Metric {
 };
 
 const std::vector<Metric>& metrics() {
-  static const std::vector<Metric> all = {
+  static const std::vector<Metric> kAll = {
       {"p50", Kind::kLatency, [](const Report& r) { return r.latency.percentile(50); }},
       {"p90", Kind::kLatency, [](const Report& r) { return r.latency.percentile(90); }},
       {"p99", Kind::kLatency, [](const Report& r) { return r.latency.percentile(99); }},
@@ -31,7 +31,7 @@ const std::vector<Metric>& metrics() {
       {"mpoints", Kind::kRate, [](const Report& r) { return r.mpoints_per_second(); }},
       {"errors", Kind::kShare, [](const Report& r) { return r.error_percent(); }},
   };
-  return all;
+  return kAll;
 }
 
 const Metric* find_metric(std::string_view name) {

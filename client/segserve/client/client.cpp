@@ -55,7 +55,7 @@ absl::StatusOr<Client> Client::connect(ClientOptions options) {
 Client::Client(std::shared_ptr<Channels> channels, ClientOptions options)
     : channels_(std::move(channels)), options_(std::move(options)) {}
 
-Client::Client(std::shared_ptr<grpc::Channel> channel, ClientOptions options)
+Client::Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options)
     : Client(std::make_shared<Channels>(options.address, std::move(channel)), options) {}
 
 absl::Status Client::call(std::optional<std::chrono::milliseconds> timeout, Attempt attempt) const {
@@ -163,7 +163,7 @@ absl::StatusOr<ServerInfo> Client::server_info(std::optional<std::chrono::millis
 
 absl::Status Client::health(std::optional<std::chrono::milliseconds> timeout) const {
   HealthResponse response;
-  const absl::Status status = call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
+  absl::Status status = call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
     return Health::Stub(channel).Check(&context, HealthRequest(), &response);
   });
   if (!status.ok()) return status;

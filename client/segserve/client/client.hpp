@@ -79,7 +79,7 @@ class Client {
   static absl::StatusOr<Client> connect(ClientOptions options);
 
   /// Uses a channel that the caller made; `options.address` only serves messages.
-  Client(std::shared_ptr<grpc::Channel> channel, ClientOptions options);
+  Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options);
 
   /// A stream of frames, which outlives the client. Does not wait for the server. INVALID_ARGUMENT for options that
   /// make no sense.

@@ -149,7 +149,7 @@ absl::Status StreamSession::begin_frame(v1alpha1::FrameHeader& header) {
     return violation(fmt::format("frame {} begins with {} bytes of frame {} missing", sequence,
                                  upload_->payload.missing(), last_sequence_));
   }
-  if (const absl::Status status = take_credit(header); !status.ok()) return status;
+  if (absl::Status status = take_credit(header); !status.ok()) return status;
   has_sequence_ = true;
   last_sequence_ = sequence;
 
