@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -150,7 +151,7 @@ class SessionHarness {
       StreamSettings::Clock::now() + std::chrono::hours(1);  // so that no real time expires
   ManualExecutor executor;
   FakeSegmenter::Function on_segment;
-  int wakes = 0;
+  std::atomic<int> wakes{0};
 
  private:
   CreditBudget budget_;

@@ -57,7 +57,9 @@ TEST(Session, AFrameGetsItsResult) {
   frame.header.mutable_stamp()->set_seconds(12);
   harness.send(frame, 10);
   EXPECT_TRUE(harness.read().empty()) << "nothing is known before it is computed";
+  const int wakes = harness.wakes;
   harness.compute();
+  EXPECT_GT(harness.wakes, wakes) << "the transport would not ask";
 
   const auto said = harness.read();
   ASSERT_EQ(said.size(), 2U);
