@@ -87,7 +87,7 @@ void StreamDriver::finish() {
 
 std::optional<RawOutcome> StreamDriver::next(std::optional<Time> until) {
   std::unique_lock lock(mutex_);
-  const auto ready = [&] { return (core_.has_outcome() && !options_.on_outcome) || core_.exhausted(); };
+  const auto ready = [&] { return (core_.has_outcome() && !options_.on_outcome) || all_taken(); };
   if (!until) {
     changed_.wait(lock, ready);
   } else if (!changed_.wait_until(lock, *until, ready)) {
@@ -103,7 +103,7 @@ std::optional<RawOutcome> StreamDriver::next(std::optional<Time> until) {
 
 bool StreamDriver::exhausted() {
   const std::lock_guard lock(mutex_);
-  return core_.exhausted();
+  return all_taken();
 }
 
 bool StreamDriver::next_message(std::uint64_t call, v1alpha1::SegmentStreamRequest& message) {
@@ -170,9 +170,11 @@ void StreamDriver::call_back() {
     std::unique_lock lock(mutex_);
     auto raw = core_.take_outcome();
     if (!raw) return;
+    calling_back_ = true;
     lock.unlock();
     options_.on_outcome(finished(*std::move(raw)));
     lock.lock();
+    calling_back_ = false;
     changed();
   }
 }

@@ -40,6 +40,9 @@ class StreamDriver final : public StreamCallListener {
   void on_closed(std::uint64_t call, const absl::Status& status) override;
 
  private:
+  /// No outcome will come any more, and whoever gets them has had them. Expects the lock.
+  bool all_taken() const { return core_.exhausted() && !calling_back_; }
+
   struct Probe;
   void drive();
   void segment_locally();
@@ -59,6 +62,7 @@ class StreamDriver final : public StreamCallListener {
   std::condition_variable changed_;
   std::uint64_t changes_ = 0;
   StreamCore core_;
+  bool calling_back_ = false;  // with an outcome that was taken
   std::map<std::uint64_t, std::shared_ptr<StreamCall>> calls_;
   std::map<std::uint64_t, std::shared_ptr<Probe>> probes_;
   std::vector<std::shared_ptr<void>> ended_;  // calls and probes that the driver's thread shall destroy
