@@ -217,9 +217,9 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
     v1alpha1::FrameOutcome& outcome = *response.mutable_outcome();
     outcome = outcome_of(header, v1alpha1::OUTCOME_KIND_RESULT);
     *outcome.mutable_result() = wire::to_message(*result, outputs).value();
-    wire::OutgoingBytes bytes(wire::result_blocks(*outcome.mutable_result()));
-    outcome.set_encoded_bytes(bytes.size());
-    outcome.set_crc32(bytes.crc32() ^ (damaged ? 1U : 0U));
+    wire::OutgoingBytes bytes(std::make_shared<const wire::ByteRun>(wire::result_blocks(*outcome.mutable_result())));
+    outcome.set_encoded_bytes(bytes.run().size());
+    outcome.set_crc32(bytes.run().crc32() ^ (damaged ? 1U : 0U));
     stream.Write(response);
     while (!bytes.done()) {
       response.mutable_chunk()->set_sequence(header.sequence());

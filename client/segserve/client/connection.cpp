@@ -41,11 +41,11 @@ void Connection::begin(std::uint64_t sequence, v1alpha1::FrameHeader header, Pay
   header.set_encoded_bytes(payload.bytes());
   header.set_points(payload.points());
   header.set_decoded_bytes(payload.decoded_bytes());
-  header.set_crc32(payload.crc32());
+  header.set_crc32(payload.run()->crc32());
   header_ = std::move(header);
   bytes_used_ += payload.bytes();
   sent_[upload_] = {sequence, payload.bytes()};
-  payload_ = PayloadReader(std::move(payload));
+  payload_ = wire::OutgoingBytes(payload.run());
 }
 
 void Connection::cancel(std::uint64_t sequence) {

@@ -84,7 +84,7 @@ class Connection {
 
   std::uint64_t upload_ = 0;  // number of the frame whose payload is being sent; 0: none
   std::optional<v1alpha1::FrameHeader> header_;
-  PayloadReader payload_;
+  wire::OutgoingBytes payload_;
 
   std::optional<v1alpha1::FrameOutcome> answer_;  // whose bytes are coming
   wire::IncomingBytes answer_bytes_;

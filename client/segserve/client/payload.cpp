@@ -1,10 +1,9 @@
 #include "segserve/client/payload.hpp"
 
-#include <string_view>
+#include <string>
 #include <utility>
 
 #include "segserve/codec/limits.hpp"
-#include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/cloud.hpp"
 #include "segserve/wire/payload_blocks.hpp"
 
@@ -12,11 +11,7 @@ namespace segserve::client {
 
 Payload::Payload(v1alpha1::Cloud message, std::uint64_t points, std::uint64_t decoded_bytes) {
   auto data = std::make_shared<Data>();
-  for (std::string* block : wire::payload_blocks(message)) {
-    data->blocks.push_back(std::exchange(*block, {}));
-    data->bytes += data->blocks.back().size();
-    data->crc32 = wire::crc32(data->crc32, data->blocks.back());
-  }
+  data->run = std::make_shared<const wire::ByteRun>(wire::payload_blocks(message));
   data->header = std::move(message);
   data->points = points;
   data->decoded_bytes = decoded_bytes;
@@ -26,7 +21,7 @@ Payload::Payload(v1alpha1::Cloud message, std::uint64_t points, std::uint64_t de
 v1alpha1::Cloud Payload::message() const {
   v1alpha1::Cloud message = header();
   const std::vector<std::string*> empty = wire::payload_blocks(message);
-  for (std::size_t i = 0; i < empty.size(); ++i) *empty[i] = blocks()[i];
+  for (std::size_t i = 0; i < empty.size(); ++i) *empty[i] = run()->blocks()[i];
   return message;
 }
 
@@ -52,23 +47,6 @@ absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload) {
   auto decoded = wire::decode_cloud(payload.message(), {.draco = true});
   if (!decoded.ok()) return decoded.status();
   return codec::LabelledCloud{std::move(decoded->cloud), {}, std::move(decoded->view_rule)};
-}
-
-PayloadReader::PayloadReader(Payload payload) : payload_(std::move(payload)) { skip_empty_blocks(); }
-
-std::string_view PayloadReader::next(std::size_t max_bytes) {
-  if (done()) return {};
-  const std::string_view chunk = std::string_view(payload_.blocks()[block_]).substr(offset_, max_bytes);
-  offset_ += chunk.size();
-  skip_empty_blocks();
-  return chunk;
-}
-
-void PayloadReader::skip_empty_blocks() {
-  while (!done() && offset_ == payload_.blocks()[block_].size()) {
-    ++block_;
-    offset_ = 0;
-  }
 }
 
 }  // namespace segserve::client

@@ -19,30 +19,26 @@ std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes) {
   return libdeflate_crc32(crc_so_far, bytes.data(), bytes.size());
 }
 
-OutgoingBytes::OutgoingBytes(std::span<std::string* const> blocks) {
+ByteRun::ByteRun(std::span<std::string* const> blocks) {
   for (std::string* block : blocks) {
     blocks_.push_back(std::exchange(*block, {}));
     size_ += blocks_.back().size();
     crc32_ = wire::crc32(crc32_, blocks_.back());
   }
-  skip_empty_blocks();
 }
+
+OutgoingBytes::OutgoingBytes(std::shared_ptr<const ByteRun> run) : run_(std::move(run)) { skip_empty_blocks(); }
 
 std::string_view OutgoingBytes::next(std::size_t max_bytes) {
   if (done()) return {};
-  const std::string_view chunk = std::string_view(blocks_[block_]).substr(offset_, max_bytes);
+  const std::string_view chunk = std::string_view(run_->blocks()[block_]).substr(offset_, max_bytes);
   offset_ += chunk.size();
   skip_empty_blocks();
   return chunk;
 }
 
-void OutgoingBytes::rewind() {
-  block_ = offset_ = 0;
-  skip_empty_blocks();
-}
-
 void OutgoingBytes::skip_empty_blocks() {
-  while (block_ < blocks_.size() && offset_ == blocks_[block_].size()) {
+  while (!done() && offset_ == run_->blocks()[block_].size()) {
     ++block_;
     offset_ = 0;
   }

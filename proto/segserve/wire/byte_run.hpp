@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,30 +17,41 @@ inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 10U;
 /// CRC-32 of zlib, PNG and RFC 1952.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes);
 
-/// Blocks on their way out, given away chunk by chunk.
+/// The bytes of a message's blocks, taken out of it.
+class ByteRun {
+ public:
+  ByteRun() = default;
+  /// Takes the strings that `blocks` point to, and leaves them empty.
+  explicit ByteRun(std::span<std::string* const> blocks);
+
+  std::span<const std::string> blocks() const { return blocks_; }
+  /// Of all blocks together.
+  std::uint64_t size() const { return size_; }
+  std::uint32_t crc32() const { return crc32_; }
+
+ private:
+  std::vector<std::string> blocks_;
+  std::uint64_t size_ = 0;
+  std::uint32_t crc32_ = 0;
+};
+
+/// A run on its way out, given away chunk by chunk. The run is shared, so that it can be sent more than once.
 class OutgoingBytes {
  public:
-  OutgoingBytes() = default;
-  /// Takes the strings that `blocks` point to, and leaves them empty.
-  explicit OutgoingBytes(std::span<std::string* const> blocks);
+  OutgoingBytes() : OutgoingBytes(std::make_shared<const ByteRun>()) {}
+  explicit OutgoingBytes(std::shared_ptr<const ByteRun> run);
 
-  std::uint64_t size() const { return size_; }
-  /// Of all bytes, given away or not.
-  std::uint32_t crc32() const { return crc32_; }
+  const ByteRun& run() const { return *run_; }
   /// True once everything was given away.
-  bool done() const { return block_ == blocks_.size(); }
-  /// The next bytes, at most `max_bytes` (above 0) and not beyond the end of a block; valid as long as this object.
+  bool done() const { return block_ == run_->blocks().size(); }
+  /// The next bytes, at most `max_bytes` (above 0) and not beyond the end of a block; valid as long as the run.
   /// Empty if done.
   std::string_view next(std::size_t max_bytes = kMaxChunkBytes);
-  /// From the first byte again, to send a frame once more.
-  void rewind();
 
  private:
   void skip_empty_blocks();
 
-  std::vector<std::string> blocks_;
-  std::uint64_t size_ = 0;
-  std::uint32_t crc32_ = 0;
+  std::shared_ptr<const ByteRun> run_;
   std::size_t block_ = 0, offset_ = 0;  // of the next byte
 };
 

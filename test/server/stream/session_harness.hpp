@@ -60,9 +60,9 @@ struct SentFrame {
   SentFrame(std::uint64_t sequence, v1alpha1::Cloud cloud) {
     header.set_sequence(sequence);
     *header.mutable_cloud() = std::move(cloud);
-    bytes = wire::OutgoingBytes(wire::payload_blocks(*header.mutable_cloud()));
-    header.set_encoded_bytes(bytes.size());
-    header.set_crc32(bytes.crc32());
+    bytes = wire::OutgoingBytes(std::make_shared<const wire::ByteRun>(wire::payload_blocks(*header.mutable_cloud())));
+    header.set_encoded_bytes(bytes.run().size());
+    header.set_crc32(bytes.run().crc32());
   }
   explicit SentFrame(std::uint64_t sequence, const CloudView& cloud = equal_points(9, 0, 0, 1))
       : SentFrame(sequence, wire::to_planar_message(cloud, v1alpha1::COMPRESSION_NONE).value()) {}

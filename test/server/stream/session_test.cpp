@@ -199,7 +199,7 @@ TEST(Session, DamagedPayloadIsToBeSentAgain) {
 }
 
 TEST(Session, CreditIsUsedByHeadersAndReturnedWithTheLastChunk) {
-  const std::uint64_t bytes = SentFrame(1).bytes.size();
+  const std::uint64_t bytes = SentFrame(1).header.encoded_bytes();
   SessionHarness harness({.frames = 2, .bytes = 2 * bytes});
   harness.open();
   harness.send(SentFrame(1));

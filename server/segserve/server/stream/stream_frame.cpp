@@ -1,6 +1,7 @@
 #include "segserve/server/stream/stream_frame.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,10 +72,10 @@ FinishedFrame without_result(const StreamFrame& frame, v1alpha1::OutcomeKind kin
 
 FinishedFrame with_result(const StreamFrame& frame, v1alpha1::SegmentationResult result) {
   FinishedFrame finished = without_result(frame, v1alpha1::OUTCOME_KIND_RESULT, absl::OkStatus());
-  finished.bytes = wire::OutgoingBytes(wire::result_blocks(result));
+  finished.bytes = wire::OutgoingBytes(std::make_shared<const wire::ByteRun>(wire::result_blocks(result)));
   *finished.outcome.mutable_result() = std::move(result);
-  finished.outcome.set_encoded_bytes(finished.bytes.size());
-  finished.outcome.set_crc32(finished.bytes.crc32());
+  finished.outcome.set_encoded_bytes(finished.bytes.run().size());
+  finished.outcome.set_crc32(finished.bytes.run().crc32());
   return finished;
 }
 
