@@ -5,7 +5,7 @@
 cache_dir="${XDG_CACHE_HOME:-$HOME/.cache}/segserve"
 
 # ccache finds an object again in any clone: paths below the root count as relative.
-export CCACHE_DIR="${CCACHE_DIR:-$cache_dir/ccache}" CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1 CCACHE_MAXSIZE="${CCACHE_MAXSIZE:-2G}"
+export CCACHE_DIR="${CCACHE_DIR:-$cache_dir/ccache}" CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1 CCACHE_MAXSIZE="${CCACHE_MAXSIZE:-2G}" CCACHE_SLOPPINESS=pch_defines,time_macros
 
 # usage SCRIPT: the comment at its head.
 usage() { awk 'NR > 1 { if (!/^#/) exit; sub(/^# ?/, ""); print }' "$1"; }

@@ -19,6 +19,7 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "segserve" / "tidy"
 TIDY = "clang-tidy-16"  # 14, the default of bookworm, does not understand the ranges of its libstdc++
+PROTO_FILES = sorted((ROOT / "proto").rglob("*.proto"))
 NOISE = re.compile(r"^\d+ warnings? .*generated\.$|^Suppressed |^Use -header-filter|^\d+ warnings? treated as errors?$")
 
 
@@ -36,10 +37,18 @@ def included_files(build):
     return files
 
 
+def without_precompiled_header(command):
+    """A compiler command as it would be without: each source must include what it uses."""
+    return re.sub(r" -Winvalid-pch| -fpch-preprocess| -include \S*/cmake_pch\.hxx", "", command)
+
+
 def fingerprint(entry, files, tidy_version):
     """A hash of all that the verdict on a source depends on; None where that is not known (it was never compiled)."""
     if not files:
         return None
+    # What a precompiled header holds is not among a source's dependencies: of the project, that is only proto/.
+    if any(path.name.startswith("cmake_pch") for path in files):
+        files = [path for path in files if not path.name.startswith("cmake_pch")] + PROTO_FILES
     digest = hashlib.sha256(tidy_version)
     digest.update((ROOT / ".clang-tidy").read_bytes())
     digest.update(entry["command"].replace(str(ROOT), "").encode())
@@ -50,10 +59,10 @@ def fingerprint(entry, files, tidy_version):
     return digest.hexdigest()
 
 
-def check(source, build):
+def check(source, database):
     """The complaints about one source, "" if there are none."""
     result = subprocess.run(
-        [TIDY, "--quiet", "-p", build, "--extra-arg=-Wno-error", source],
+        [TIDY, "--quiet", "-p", database, "--extra-arg=-Wno-error", source],
         capture_output=True, text=True, check=False)
     complaints = [line for line in (result.stdout + result.stderr).splitlines() if line and not NOISE.match(line)]
     return "\n".join(complaints) if result.returncode else ""
@@ -69,6 +78,11 @@ def main():
     started = time.monotonic()
 
     commands = json.loads((build / "compile_commands.json").read_text())
+    for entry in commands:
+        entry["command"] = without_precompiled_header(entry["command"])
+    database = build / "tidy"
+    database.mkdir(exist_ok=True)
+    (database / "compile_commands.json").write_text(json.dumps(commands))
     files = included_files(build)
     version = subprocess.run([TIDY, "--version"], capture_output=True, check=True).stdout
     todo = {}
@@ -88,7 +102,7 @@ def main():
     CACHE.mkdir(parents=True, exist_ok=True)
     failed = 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        for (source, key), complaints in zip(todo.items(), pool.map(lambda s: check(s, build), todo)):
+        for (source, key), complaints in zip(todo.items(), pool.map(lambda s: check(s, database), todo)):
             if complaints:
                 failed += 1
                 print(f"{source.relative_to(ROOT)}:\n{complaints}\n", flush=True)
