@@ -35,7 +35,7 @@ struct Scene {
 class Batch {
  public:
   explicit Batch(const BatchJob& job)
-      : job_(job), key_(batch_key(job.options, job.view, job.codec)), ends_(job.inputs.size()) {
+      : job_(job), key_(batch_key(job.request.options, job.request.view, job.request.codec)), ends_(job.inputs.size()) {
     bar_.emplace("segment");
   }
 
@@ -95,7 +95,7 @@ std::optional<std::size_t> Batch::next_open() {
 absl::StatusOr<Scene> Batch::load(std::size_t index) const {
   const auto bytes = read_input(job_.inputs[index].path);
   if (!bytes.ok()) return bytes.status();
-  auto scene = codec::decode_cloud(std::as_bytes(std::span(*bytes)), {}, job_.view);
+  auto scene = codec::decode_cloud(std::as_bytes(std::span(*bytes)), {}, job_.request.view);
   if (!scene.ok()) return scene.status();
   return Scene{index, *std::move(scene), bytes->size()};
 }
@@ -125,10 +125,10 @@ void Batch::end(Scene& scene, const absl::StatusOr<client::Result>& result) {
 
 /// The points as they are, or, if there is a codec, as a server would see them.
 absl::StatusOr<client::Result> Batch::segment_here(const codec::LabelledCloud& scene) const {
-  if (!job_.codec) return client::segment_here(scene.cloud, scene.view_rule, job_.options, StopToken());
-  const auto payload = client::cloud_payload(scene.cloud, *job_.codec);
+  if (!job_.request.codec) return client::segment_here(scene.cloud, scene.view_rule, job_.request.options, StopToken());
+  const auto payload = client::cloud_payload(scene.cloud, *job_.request.codec);
   if (!payload.ok()) return payload.status();
-  auto result = client::segment_here(*payload, job_.options, StopToken());
+  auto result = client::segment_here(*payload, job_.request.options, StopToken());
   if (result.ok()) result->view_rule = scene.view_rule;
   return result;
 }
@@ -154,8 +154,9 @@ void Batch::send_all(client::Stream& stream) {
   std::uint64_t sequence = 0;
   while (const auto index = next_open()) {
     auto scene = load(*index);
-    auto payload = scene.ok() ? client::cloud_payload(scene->scene.cloud, job_.codec.value_or(wire::CodecOptions{}))
-                              : absl::StatusOr<client::Payload>(scene.status());
+    auto payload = scene.ok()
+                       ? client::cloud_payload(scene->scene.cloud, job_.request.codec.value_or(wire::CodecOptions{}))
+                       : absl::StatusOr<client::Payload>(scene.status());
     if (!payload.ok()) {
       note(*index, {.kind = Kind::kFailed, .status = payload.status()});
       continue;

@@ -9,22 +9,20 @@
 #include "segserve/client/client.hpp"
 #include "segserve/segctl/batch_inputs.hpp"
 #include "segserve/segctl/scene_output.hpp"
-#include "segserve/wire/codec.hpp"
+#include "segserve/segctl/segment_arguments.hpp"
 
 namespace segserve::segctl {
 
 /// `segctl segment` on many files.
 struct BatchJob {
   std::vector<BatchInput> inputs;
-  Options options;
-  std::optional<View> view;              ///< unset: what each file says
+  SegmentRequest request;
   std::size_t parallel = 4;              ///< files at the same time
   std::optional<client::Client> client;  ///< unset: in this process
   std::string server;                    ///< its address, for summaries
   client::StreamOptions stream;
-  std::optional<wire::CodecOptions> codec;  ///< unset: the points as they are; also in this process
-  const SceneOutput* format = nullptr;      ///< encoding and colour of the labelled clouds
-  std::string json_path;                    ///< one JSON object a file, a line each; "-": standard output; empty: none
+  const SceneOutput* format = nullptr;  ///< encoding and colour of the labelled clouds
+  std::string json_path;                ///< one JSON object a file, a line each; "-": standard output; empty: none
   bool quiet = false;
 };
 
