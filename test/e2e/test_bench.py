@@ -54,6 +54,15 @@ class Bench(EndToEnd):
                 self.assertEqual((told["verified"], told["mismatches"]), (told["frames"]["results"], 0))
                 self.assertGreater(told["verified"], 0)
 
+    def test_clients_take_the_codecs_in_turn(self):
+        done = self.run_well(*self.bench("--codec", "planar,rgbd", "--clients", "3", "--duration", "1", "--verify",
+                                         "--objective", "least-share>0%", "--json", "-"))
+        told = json.loads(done.stdout)
+        self.assertEqual(told["codec"], "planar, rgbd")
+        self.assertEqual(len(told["results_of_client"]), 3)
+        self.assertEqual(sum(told["results_of_client"]), told["verified"])
+        self.assertEqual(told["mismatches"], 0)
+
     def test_files_are_frames_too(self):
         scene = self.synth("--width", "160", "--height", "120")
         done = self.run_well("bench", "--server", self.server.address, "--input", scene, "--duration", "0.5",
@@ -68,7 +77,8 @@ class Bench(EndToEnd):
         for flags, said in ((("--objective", "p99=5"), "p99<50ms"), (("--objective", "p42<5ms"), "p42"),
                             (("--size", "640"), "WIDTHxHEIGHT"), (("--arrivals", "poisson"), "--rate"),
                             (("--verify", "--outputs", "tree"), "labels"), (("--clients", "0"), "--clients"),
-                            (("--codec", "none"), "--codec")):
+                            (("--codec", "none"), "--codec"), (("--codec", "planar,pcd", "--zstd"), "--zstd"),
+                            (("--codec", "planar,pcd", "--error-bound", "1"), "--error-bound")):
             with self.subTest(flags=flags):
                 self.assertIn(said, self.run_badly(BAD_INPUT, "bench", *flags))
 

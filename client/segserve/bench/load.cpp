@@ -40,16 +40,26 @@ double cpu_seconds() {
 struct Setup {
   const LoadOptions& options;
   const FrameSource& source;
-  std::vector<Payload> payloads;                   ///< encoded beforehand, or empty
-  std::vector<std::vector<std::uint32_t>> labels;  ///< of a local run, or empty
+  /// Of every encoding and cloud.
+  struct Frame {
+    std::optional<Payload> payload;     ///< encoded beforehand, if that is asked for
+    std::vector<std::uint32_t> labels;  ///< of a local run, or empty
+  };
+  std::vector<std::vector<Frame>> frames;
   Time begin, measured_from, end;
+
+  std::size_t encoding_of(std::size_t client) const { return client % source.encodings.size(); }
 };
 
 /// One robot: a stream, a thread that sends and one that reads.
 class Robot {
  public:
   Robot(const Setup& setup, std::size_t index, client::Stream stream)
-      : setup_(setup), index_(index), stream_(std::move(stream)) {}
+      : setup_(setup),
+        index_(index),
+        encoding_(setup.source.encodings[setup.encoding_of(index)]),
+        frames_(setup.frames[setup.encoding_of(index)]),
+        stream_(std::move(stream)) {}
 
   void start() {
     sender_ = std::thread([this] { send_all(); });
@@ -78,6 +88,8 @@ class Robot {
 
   const Setup& setup_;
   const std::size_t index_;
+  const Encoding& encoding_;
+  const std::vector<Setup::Frame>& frames_;
   client::Stream stream_;
   std::mutex mutex_;
   std::condition_variable outcome_came_;
@@ -126,13 +138,13 @@ void Robot::send_open_loop() {
 
 bool Robot::send(std::size_t frame, Time intended) {
   Sent sent{.frame = frame % setup_.source.clouds.size(), .intended = intended, .actual = Clock::now(), .encode_ms = 0};
-  absl::StatusOr<Payload> payload =
-      setup_.payloads.empty() ? setup_.source.encode(setup_.source.clouds[sent.frame]) : setup_.payloads[sent.frame];
+  const std::optional<Payload>& encoded = frames_[sent.frame].payload;
+  absl::StatusOr<Payload> payload = encoded ? *encoded : encoding_.encode(setup_.source.clouds[sent.frame]);
   if (!payload.ok()) {
     status_ = payload.status();
     return false;
   }
-  sent.encode_ms = setup_.payloads.empty() ? milliseconds(Clock::now() - sent.actual) : 0;
+  sent.encode_ms = encoded ? 0 : milliseconds(Clock::now() - sent.actual);
   {
     const std::lock_guard lock(mutex_);
     sent_[++last_sequence_] = sent;  // before the reader can see the outcome
@@ -165,22 +177,34 @@ void Robot::record(const client::Outcome& outcome, const Sent& sent) {
                      .points = setup_.source.clouds[sent.frame].size()};
   if (setup_.options.verify && outcome.result) {
     ++report_.verified;
-    record.mismatch = outcome.result->segmentation.labels != setup_.labels[sent.frame];
+    record.mismatch = outcome.result->segmentation.labels != frames_[sent.frame].labels;
   }
   report_.add(outcome, record);
 }
 
-/// Encodes every frame once, and segments it here, as far as that is asked for.
+/// Encodes a frame once, and segments it here, as far as that is asked for.
+absl::StatusOr<Setup::Frame> prepare(const LoadOptions& options, const Encoding& encoding, const Cloud& cloud) {
+  Setup::Frame frame;
+  auto payload = encoding.encode(cloud);  // in any case: what cannot be encoded is found before the run
+  if (!payload.ok()) return payload.status();
+  if (options.verify) {
+    auto local = client::segment_here(*payload, options.stream.options, StopToken());
+    if (!local.ok()) return local.status();
+    frame.labels = std::move(local->segmentation.labels);
+  }
+  if (options.encoded_beforehand) frame.payload = *std::move(payload);
+  return frame;
+}
+
+/// All that the clients will send.
 absl::Status prepare(const LoadOptions& options, Setup& setup) {
-  for (const Cloud& cloud : setup.source.clouds) {
-    auto payload = setup.source.encode(cloud);  // in any case: what cannot be encoded is found before the run
-    if (!payload.ok()) return payload.status();
-    if (options.verify) {
-      const auto local = client::segment_here(*payload, options.stream.options, StopToken());
-      if (!local.ok()) return local.status();
-      setup.labels.push_back(local->segmentation.labels);
+  for (std::size_t i = 0; i < std::min(setup.source.encodings.size(), options.clients); ++i) {
+    auto& frames = setup.frames.emplace_back();
+    for (const Cloud& cloud : setup.source.clouds) {
+      auto frame = prepare(options, setup.source.encodings[i], cloud);
+      if (!frame.ok()) return frame.status();
+      frames.push_back(*std::move(frame));
     }
-    if (options.encoded_beforehand) setup.payloads.push_back(*std::move(payload));
   }
   return absl::OkStatus();
 }
@@ -190,7 +214,9 @@ absl::StatusOr<std::vector<std::unique_ptr<Robot>>> make_robots(const Setup& set
   for (std::size_t i = 0; i < setup.options.clients; ++i) {
     const auto client = client::Client::connect(setup.options.client);
     if (!client.ok()) return client.status();
-    auto stream = client->open_stream(setup.options.stream);
+    client::StreamOptions options = setup.options.stream;
+    options.outputs.compression = setup.source.encodings[setup.encoding_of(i)].of_answer;
+    auto stream = client->open_stream(options);
     if (!stream.ok()) return stream.status();
     robots.push_back(std::make_unique<Robot>(setup, i, *std::move(stream)));
   }
@@ -201,8 +227,7 @@ absl::StatusOr<std::vector<std::unique_ptr<Robot>>> make_robots(const Setup& set
 
 absl::StatusOr<Report> run_load(const LoadOptions& options, const FrameSource& source,
                                 const std::function<void(double)>& progress) {
-  Setup setup{
-      .options = options, .source = source, .payloads = {}, .labels = {}, .begin = {}, .measured_from = {}, .end = {}};
+  Setup setup{.options = options, .source = source, .frames = {}, .begin = {}, .measured_from = {}, .end = {}};
   if (absl::Status status = prepare(options, setup); !status.ok()) return status;
   auto robots = make_robots(setup);
   if (!robots.ok()) return robots.status();
@@ -225,7 +250,9 @@ absl::StatusOr<Report> run_load(const LoadOptions& options, const FrameSource& s
   report.cpu_seconds = cpu_seconds() - cpu_before;
   absl::Status status;
   for (const auto& robot : *robots) {
-    report.add(robot->join());
+    const Report& own = robot->join();
+    report.add(own);
+    report.results_of_client.push_back(own.results);
     if (!robot->status().ok()) status = robot->status();
   }
   // Frames that were begun within the span and ended after it count, and so does the time they took.

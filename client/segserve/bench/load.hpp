@@ -13,11 +13,18 @@
 
 namespace segserve::bench {
 
-/// How frames are made.
-struct FrameSource {
-  std::vector<Cloud> clouds;  ///< sent in turn, again and again; not empty
+/// A way in which frames are sent.
+struct Encoding {
+  std::string name;  ///< for people
   /// Any codec, to be called by several threads at once.
   std::function<absl::StatusOr<client::Payload>(const CloudView&)> encode;
+  v1alpha1::Compression of_answer = v1alpha1::COMPRESSION_NONE;  ///< what arrays of the results may have
+};
+
+/// How frames are made. Neither list may be empty.
+struct FrameSource {
+  std::vector<Cloud> clouds;        ///< sent in turn, again and again
+  std::vector<Encoding> encodings;  ///< client i uses the one of i modulo their number
 };
 
 struct LoadOptions {

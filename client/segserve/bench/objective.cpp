@@ -30,6 +30,7 @@ const std::vector<Metric>& metrics() {
       {"fps", Kind::kRate, [](const Report& r) { return r.frames_per_second(); }},
       {"mpoints", Kind::kRate, [](const Report& r) { return r.mpoints_per_second(); }},
       {"errors", Kind::kShare, [](const Report& r) { return r.error_percent(); }},
+      {"least-share", Kind::kShare, [](const Report& r) { return r.least_share_percent(); }},
   };
   return kAll;
 }

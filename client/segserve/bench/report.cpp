@@ -1,5 +1,6 @@
 #include "segserve/bench/report.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 #include "absl/status/status.h"
@@ -88,6 +89,12 @@ double Report::error_percent() const {
 
 double Report::mean_stage_ms(std::size_t stage) const {
   return results == 0 ? 0 : stage_ms[stage] / static_cast<double>(results);
+}
+
+double Report::least_share_percent() const {
+  if (results == 0 || results_of_client.empty()) return 0;
+  const auto least = static_cast<double>(std::ranges::min(results_of_client));
+  return 100 * least * static_cast<double>(results_of_client.size()) / static_cast<double>(results);
 }
 
 double Report::cpu_ms_per_frame() const { return results == 0 ? 0 : 1000 * cpu_seconds / static_cast<double>(results); }

@@ -41,6 +41,7 @@ struct Report {
   Samples latency;                                ///< ms, from the intended time
   Samples since_sent;                             ///< ms, from the actual time
   std::array<double, kStages.size()> stage_ms{};  ///< sums over the results
+  std::vector<std::uint64_t> results_of_client;   ///< of each
   std::map<std::string, std::uint64_t> errors;    ///< frames without a result, by outcome, code and reason
 
   void add(const client::Outcome& outcome, const FrameRecord& record);
@@ -50,6 +51,8 @@ struct Report {
   double mpoints_per_second() const;
   double error_percent() const;  ///< 100 if nothing was sent
   double mean_stage_ms(std::size_t stage) const;
+  /// What the client with the fewest results got, of the mean of all; 0 if there was no result.
+  double least_share_percent() const;
   /// Of one CPU, per frame with a result.
   double cpu_ms_per_frame() const;
 };

@@ -33,6 +33,7 @@ constexpr const char* kFooter = R"(Examples:
   segctl bench --clients 4 --duration 10
   segctl bench --rate 30 --objective "p99<50ms" --objective "errors<=0%" --json -
   segctl bench --input scene1.pcd scene2.pcd --clients 8 --in-flight 2 --verify
+  segctl bench --clients 32 --codec planar,quantised,rgbd --objective "least-share>=50%"
 
 Without --rate the loop is closed: every client sends a frame as soon as it has fewer than --in-flight
 unanswered ones. With it the loop is open: frames are meant to go at their time, whatever became of those
@@ -40,7 +41,8 @@ before. Latency counts from that intended time to the decoded result, so that a 
 does not hide the frames it held up; "since sent" counts from the actual hand-over.
 
 Objectives are METRIC<NUMBER, also <=, >, >=; metrics: p50, p90, p99, p99.9, mean, max (with unit us,
-ms or s), fps, mpoints (million points a second), errors (share of the frames, with %).
+ms or s), fps, mpoints (million points a second), errors (share of the frames, with %), least-share (the results of the client with the fewest, of the
+mean, with %).
 
 Exit codes: 0 done, all objectives met; 1 an objective missed, a label array that differs (--verify),
 or no server; 2 bad input or usage.)";
@@ -105,7 +107,7 @@ void add_flags(CLI::App& app, Arguments& a) {
       ->excludes(inputs)
       ->group("Frames");
   app.add_option("--seed", a.seed, "of synthetic frames and random arrivals")->capture_default_str()->group("Frames");
-  a.codec.add_to(app, "default: planar", "Frames");
+  a.codec.add_to(app, "default: planar; several, as planar,rgbd: clients use them in turn", "Frames");
   app.add_flag("--encoded-beforehand", a.encoded_beforehand, "encode every frame once, before the run")
       ->group("Frames");
   app.add_option("--outputs", a.outputs, "what the answers hold: labels, supervoxels, tree")
@@ -174,9 +176,6 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
     return std::ranges::find(arguments.outputs, name) != arguments.outputs.end();
   };
   load.stream.outputs = {.labels = wants("labels"), .supervoxels = wants("supervoxels"), .tree = wants("tree")};
-  const auto codec = arguments.codec.options();
-  if (!codec.ok()) return codec.status();
-  load.stream.outputs.compression = answer_compression(*codec);
   if (arguments.verify && !load.stream.outputs.labels) {
     return absl::InvalidArgumentError("--verify needs labels among --outputs");
   }
@@ -198,12 +197,23 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
 absl::StatusOr<bench::FrameSource> frame_source(const Arguments& arguments) {
   auto clouds = arguments.inputs.empty() ? make_scenes(arguments) : load_files(arguments.inputs);
   if (!clouds.ok()) return clouds.status();
-  const auto codec = arguments.codec.options();
-  if (!codec.ok()) return codec.status();
-  return bench::FrameSource{*std::move(clouds),
-                            [options = codec->value_or(wire::CodecOptions{})](const CloudView& cloud) {
-                              return client::cloud_payload(cloud, options);
-                            }};
+  const auto codecs = arguments.codec.list();
+  if (!codecs.ok()) return codecs.status();
+  bench::FrameSource source{*std::move(clouds), {}};
+  for (const wire::CodecOptions& options : *codecs) {
+    source.encodings.push_back({std::string(wire::info(options.codec).name),
+                                [options](const CloudView& cloud) { return client::cloud_payload(cloud, options); },
+                                answer_compression(options)});
+  }
+  return source;
+}
+
+/// "planar, rgbd".
+std::string names(const std::vector<bench::Encoding>& encodings) {
+  std::string names;
+  for (const bench::Encoding& encoding : encodings)
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", encoding.name);
+  return names;
 }
 
 absl::StatusOr<std::vector<bench::Objective>> objectives(const Arguments& arguments) {
@@ -258,10 +268,7 @@ absl::Status run(const Arguments& arguments) {
         bench::run_load(*load, *source, [&bar](double share) { bar.show(static_cast<std::size_t>(share * 100), 100); });
   }
   if (!report.ok()) return report.status();
-  const auto codec = arguments.codec.options();
-  if (!codec.ok()) return codec.status();
-  const wire::CodecInfo& codec_info = wire::info(codec->value_or(wire::CodecOptions{}).codec);
-  const BenchSummary summary{*report, *load, *wanted, arguments.server.address(), std::string(codec_info.name)};
+  const BenchSummary summary{*report, *load, *wanted, arguments.server.address(), names(source->encodings)};
   if (!arguments.json_path.empty()) output.add(arguments.json_path, to_json(summary).dump() + "\n");
   if (!output.uses_stdout()) output.add("-", to_text(summary));
   if (absl::Status status = output.commit(); !status.ok()) return status;

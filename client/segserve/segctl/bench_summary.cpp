@@ -55,6 +55,8 @@ Json to_json(const BenchSummary& summary) {
   json["seconds"] = report.seconds;
   json["frames"] = {
       {"sent", report.sent}, {"results", report.results}, {"repeated", report.repeated}, {"late", report.late}};
+  json["results_of_client"] = report.results_of_client;
+  json["least_share_percent"] = report.least_share_percent();
   json["errors"] = Json::object();
   for (const auto& [key, count] : report.errors) json["errors"][key] = count;
   json["frames_per_s"] = report.frames_per_second();
@@ -100,6 +102,10 @@ std::string to_text(const BenchSummary& summary) {
   }
   text += fmt::format("\nthis process  {:.2f} ms of CPU a frame, {:.2f} CPUs busy\n", report.cpu_ms_per_frame(),
                       busy_cpus(report));
+  if (load.clients > 1) {
+    text += fmt::format("fairness      the client with the fewest results got {:.0f} % of the mean\n",
+                        report.least_share_percent());
+  }
   for (const auto& [key, count] : report.errors) text += fmt::format("error         {} times {}\n", count, key);
   if (report.repeated > 0) text += fmt::format("repeated      {} frames were sent more than once\n", report.repeated);
   if (load.verify) {

@@ -1,5 +1,7 @@
 #include "segserve/segctl/codec_flags.hpp"
 
+#include <algorithm>
+
 #include "fmt/format.h"
 #include "segserve/codec/quantised.hpp"
 
@@ -27,8 +29,9 @@ absl::StatusOr<wire::Codec> compressed(wire::Codec codec) {
 
 void CodecFlags::add_to(CLI::App& app, const std::string& note, const std::string& group) {
   error_bound_mm_ = wire::CodecOptions{}.error_bound * kMillimetres;
-  codec_option_ = app.add_option("--codec", codec_, fmt::format("how clouds are sent: {}; {}", codec_names(), note))
+  codec_option_ = app.add_option("--codec", codecs_, fmt::format("how clouds are sent: {}; {}", codec_names(), note))
                       ->type_name("NAME")
+                      ->delimiter(',')
                       ->group(group);
   error_bound_option_ =
       app.add_option("--error-bound", error_bound_mm_,
@@ -40,27 +43,40 @@ void CodecFlags::add_to(CLI::App& app, const std::string& note, const std::strin
   app.add_flag("--zstd", zstd_, "compress the answer, and planar and strided clouds, without loss")->group(group);
 }
 
-absl::StatusOr<std::optional<wire::CodecOptions>> CodecFlags::options() const {
-  const bool has_codec = codec_option_->count() > 0;
-  const bool has_bound = error_bound_option_->count() > 0;
-  if (!has_codec && !has_bound && !zstd_) return std::nullopt;
+absl::StatusOr<wire::CodecOptions> CodecFlags::named(const std::string& codec) const {
+  const auto found = wire::codec_from_name(codec);
+  if (!found.ok()) return absl::InvalidArgumentError(fmt::format("--codec: {}", std::string(found.status().message())));
   wire::CodecOptions options;
-  if (has_codec) {
-    const auto codec = wire::codec_from_name(codec_);
-    if (!codec.ok())
-      return absl::InvalidArgumentError(fmt::format("--codec: {}", std::string(codec.status().message())));
-    options.codec = *codec;
+  options.codec = *found;
+  options.error_bound = error_bound_mm_ / kMillimetres;
+  if (!zstd_) return options;
+  const auto with_zstd = compressed(options.codec);
+  if (!with_zstd.ok()) return with_zstd.status();
+  options.codec = *with_zstd;
+  return options;
+}
+
+absl::StatusOr<std::vector<wire::CodecOptions>> CodecFlags::list() const {
+  const std::vector<std::string> usual{std::string(wire::info(wire::CodecOptions{}.codec).name)};
+  std::vector<wire::CodecOptions> list;
+  for (const std::string& name : codec_option_->count() > 0 ? codecs_ : usual) {
+    const auto options = named(name);
+    if (!options.ok()) return options.status();
+    list.push_back(*options);
   }
-  if (zstd_) {
-    const auto codec = compressed(options.codec);
-    if (!codec.ok()) return codec.status();
-    options.codec = *codec;
-  }
-  if (has_bound && !has_error_bound(options.codec)) {
+  const auto bounded = [](const wire::CodecOptions& options) { return has_error_bound(options.codec); };
+  if (error_bound_option_->count() > 0 && std::ranges::none_of(list, bounded)) {
     return absl::InvalidArgumentError("--error-bound needs --codec quantised or draco");
   }
-  options.error_bound = error_bound_mm_ / kMillimetres;
-  return options;
+  return list;
+}
+
+absl::StatusOr<std::optional<wire::CodecOptions>> CodecFlags::options() const {
+  if (codec_option_->count() == 0 && error_bound_option_->count() == 0 && !zstd_) return std::nullopt;
+  const auto options = list();
+  if (!options.ok()) return options.status();
+  if (options->size() > 1) return absl::InvalidArgumentError("--codec: one name, not several");
+  return options->front();
 }
 
 v1alpha1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec) {

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
@@ -19,8 +20,13 @@ class CodecFlags {
   /// not fit each other.
   absl::StatusOr<std::optional<wire::CodecOptions>> options() const;
 
+  /// As options(), but --codec may name several; not empty.
+  absl::StatusOr<std::vector<wire::CodecOptions>> list() const;
+
  private:
-  std::string codec_;
+  absl::StatusOr<wire::CodecOptions> named(const std::string& codec) const;
+
+  std::vector<std::string> codecs_;
   double error_bound_mm_ = 0;
   bool zstd_ = false;
   CLI::Option* codec_option_ = nullptr;

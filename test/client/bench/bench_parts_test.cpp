@@ -64,6 +64,7 @@ Report report_with_latencies(std::initializer_list<double> latencies) {
   report.seconds = 2;
   report.sent = 10;
   report.results = 8;
+  report.results_of_client = {5, 3};
   report.points = 3'000'000;
   return report;
 }
@@ -71,12 +72,12 @@ Report report_with_latencies(std::initializer_list<double> latencies) {
 TEST(Objective, ComparesInItsUnit) {
   const Report report = report_with_latencies({10, 20, 30});
   for (const char* met : {"p50<20.5ms", "p50<=20ms", "p99>=0.03s", "max<30001us", "mean<=20ms", "fps>=4", "fps<4.5",
-                          "mpoints>1.4", "errors<=20%"}) {
+                          "mpoints>1.4", "errors<=20%", "least-share>=75%"}) {
     const auto objective = parse_objective(met);
     ASSERT_TRUE(objective.ok()) << objective.status();
     EXPECT_TRUE(is_met(*objective, report)) << met;
   }
-  for (const char* missed : {"p50<20ms", "p99.9<30ms", "p90>1s", "fps>4", "errors<20%"}) {
+  for (const char* missed : {"p50<20ms", "p99.9<30ms", "p90>1s", "fps>4", "errors<20%", "least-share>75%"}) {
     const auto objective = parse_objective(missed);
     ASSERT_TRUE(objective.ok()) << objective.status();
     EXPECT_FALSE(is_met(*objective, report)) << missed;

@@ -1,0 +1,26 @@
+"""Many robots at once, with every codec: each label is right, and nobody starves."""
+import json
+import os
+import unittest
+
+from harness import EndToEnd
+
+CODECS = "planar,planar-zstd,strided,strided-zstd,quantised,pcd,rgbd"
+SECONDS = os.environ.get("LOAD_SECONDS", "60")
+
+
+class ManyClients(EndToEnd):
+    def test_32_clients_get_their_labels_and_their_share(self):
+        done = self.run_well("bench", "--server", self.server.address, "--clients", "32", "--codec", CODECS,
+                             "--size", "320x240", "--scenes", "2", "--duration", SECONDS, "--timeout", "60", "--verify",
+                             "--objective", "least-share>=50%", "--objective", "errors<=0%", "--json", "-")
+        told = json.loads(done.stdout)
+        self.assertEqual([objective["met"] for objective in told["objectives"]], [True, True])
+        self.assertEqual(len(told["results_of_client"]), 32)
+        self.assertGreater(min(told["results_of_client"]), 1)
+        self.assertEqual(told["verified"], sum(told["results_of_client"]))
+        self.assertEqual(told["mismatches"], 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
