@@ -24,9 +24,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double ms_since(Clock::time_point begin) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+double ms_between(Clock::time_point begin, Clock::time_point end) {
+  return std::chrono::duration<double, std::milli>(end - begin).count();
 }
+
+double ms_since(Clock::time_point begin) { return ms_between(begin, Clock::now()); }
 
 double median(std::vector<double> values) {
   std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2));
@@ -46,7 +48,7 @@ void measure_overhead(int count) {
   options.method = Method::kLambdaConvex;
   auto stream = client.open_stream({.options = options, .outputs = {.labels = true}}).value();
   const Cloud& cloud = frame_named("synthetic-full").cloud;
-  std::vector<double> calls, overheads;
+  std::vector<double> calls, overheads, waits, decodes, encodes, client_decodes;
   for (int i = -5; i < count; ++i) {  // the first ones warm up
     const Clock::time_point begin = Clock::now();
     if (!stream.send(cloud).ok()) return;
@@ -56,9 +58,18 @@ void measure_overhead(int count) {
     if (i < 0) continue;
     calls.push_back(call);
     overheads.push_back(call - outcome->result->segmentation.timings.total);
+    waits.push_back(ms_between(begin, outcome->report.header_sent));
+    decodes.push_back(outcome->result->timings.decode);
+    encodes.push_back(outcome->result->timings.encode);
+    client_decodes.push_back(outcome->report.decode_ms);
   }
   fmt::print("one raw frame of {} points at a time: call {:.1f} ms, of which beyond the segmentation {:.1f} ms\n",
              cloud.size(), median(calls), median(overheads));
+  const double known = median(waits) + median(decodes) + median(encodes) + median(client_decodes);
+  fmt::print(
+      "  of which: client's encoding {:.1f}, server's decoding {:.1f} and encoding {:.1f}, client's decoding {:.1f}, "
+      "transport {:.1f} ms\n",
+      median(waits), median(decodes), median(encodes), median(client_decodes), median(overheads) - known);
 }
 
 /// Frames a second of `workers` workers.

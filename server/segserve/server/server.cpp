@@ -65,6 +65,8 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   builder.SetResourceQuota(quota);
   builder.SetMaxReceiveMessageSize(wire::kServerReceiveBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, wire::kFlowControlBytes);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // else two servers share a port without a word
   builder.AddListeningPort(wanted, grpc::InsecureServerCredentials(), &port_);
   builder.RegisterService(&service_);
