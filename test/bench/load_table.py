@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+"""What a server on this machine carries: tables for LOAD.md, measured by segctl bench against a server of its own.
+
+    test/bench/load_table.py [--build build/release] [--seconds 10] [FILES ..]
+
+FILES are PCD or PLY clouds; default: synthetic frames of 640 x 480. Closed loop, a frame in flight for each client,
+frames encoded anew each time, every label array verified. Server and clients share the machine's cores.
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+CLIENTS = (1, 2, 4, 8)
+CODECS = ("planar", "planar-zstd", "strided", "strided-zstd", "quantised", "pcd", "rgbd")
+
+
+class Server:
+    """segserve on a free loopback port, until the end of the block."""
+
+    def __init__(self, binary):
+        self.folder = tempfile.TemporaryDirectory()
+        self.port_file = pathlib.Path(self.folder.name) / "port"
+        self.process = subprocess.Popen(
+            [binary, "--listen", "127.0.0.1:0", "--port-file", self.port_file, "--log-level", "error"])
+
+    def __enter__(self):
+        while not (self.port_file.exists() and self.port_file.read_text().strip()):
+            if self.process.poll() is not None:
+                sys.exit("segserve did not start")
+            time.sleep(0.05)
+        self.address = f"127.0.0.1:{self.port_file.read_text().strip()}"
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait(timeout=60)
+        self.folder.cleanup()
+
+    def cpu_seconds(self):
+        fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def measure(arguments, server, clients, codec):
+    """One run: the bench's own JSON, and the CPUs that the server kept busy, warm-up included."""
+    warm_up = 2
+    frames = ["--input", *arguments.files] if arguments.files else []
+    cpu = server.cpu_seconds()
+    done = subprocess.run(
+        [arguments.build / "client/segctl", "bench", "--server", server.address, "--clients", str(clients), "--codec",
+         codec, "--duration", str(arguments.seconds), "--warm-up", str(warm_up), "--verify", "--json", "-", *frames],
+        capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"segctl bench: {done.stderr}")
+    told = json.loads(done.stdout)
+    told["server_cpu_ms"] = 1000 * (server.cpu_seconds() - cpu) / (told["frames_per_s"] * (told["seconds"] + warm_up))
+    return told
+
+
+def row(told):
+    """The columns that both tables share."""
+    latency, results = told["latency_ms"], told["frames"]["results"]
+    return (f"{told['frames_per_s']:.1f} | {told['mpoints_per_s']:.2f} | {latency['p50']:.0f} | {latency['p99']:.0f} | "
+            f"{told['bytes_up'] / results / 1000:.0f} | {told['bytes_down'] / results / 1000:.0f} | "
+            f"{told['server_cpu_ms']:.0f} + {told['client_cpu_ms_per_frame']:.0f} |")
+
+
+HEAD = "frames/s | Mpoints/s | p50 ms | p99 ms | kB up | kB down | CPU ms a frame: server + client |"
+RULE = "| --- " * 8 + "|"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--build", type=pathlib.Path, default=pathlib.Path("build/release"))
+    parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("files", nargs="*")
+    arguments = parser.parse_args()
+    with Server(arguments.build / "server/segserve") as server:
+        print(f"| clients | {HEAD}\n{RULE}", flush=True)
+        for clients in CLIENTS:
+            print(f"| {clients} | {row(measure(arguments, server, clients, 'planar'))}", flush=True)
+        print(f"\n| codec | {HEAD}\n{RULE}", flush=True)
+        for codec in CODECS:
+            print(f"| {codec} | {row(measure(arguments, server, 2, codec))}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
