@@ -1,56 +1,77 @@
-// Time from points to labels and merge tree, on one core, against PCL's VCCS, which only gets as far as
-// the supervoxels. Run: segment_bench [--benchmark_filter=...] (all flags of Google Benchmark).
+// From points to labels and merge tree, stage by stage, on one core, with PCL as the peer in the same run.
+// Run: test/bench/ratios.py, which also divides; or segment_bench with the flags of Google Benchmark.
+//
+// Benchmarks are named WHAT/FRAME:
+//   border, lambda-convex   the whole of ours
+//   pcl-vccs                PCL's SupervoxelClustering with the settings of lambda-convex, up to the supervoxels
+//   pcl-lccp                PCL's SupervoxelClustering and LCCPSegmentation, with LCCP's best settings, up to labels
 #include <benchmark/benchmark.h>
+
+#include <string>
 
 #include "segserve/pipeline/segment.hpp"
 #include "test/bench/frames.hpp"
-#include "test/bench/pcl_peer.hpp"
-#include "test/bench/ratio_reporter.hpp"
+#include "test/pcl/pcl_peer.hpp"
 
 namespace segserve::bench {
 namespace {
 
-void time_segment(benchmark::State& state, const Frame& frame, const Options& options) {
+struct Stage {
+  const char* name;
+  double StageTimings::*ms;
+};
+
+constexpr Stage kStages[] = {{"voxels", &StageTimings::voxels},           {"normals", &StageTimings::normals},
+                             {"supervoxels", &StageTimings::supervoxels}, {"graph", &StageTimings::graph},
+                             {"merging", &StageTimings::merging},         {"labels", &StageTimings::labels}};
+
+void time_ours(benchmark::State& state, const Frame& frame, Method method) {
+  Options options;
+  options.method = method;
   Segmenter segmenter;
   StageTimings sum;
   for (auto _ : state) {
     const absl::StatusOr<Segmentation> result = segmenter.segment(frame.cloud, options);
     if (!result.ok()) return state.SkipWithError(std::string(result.status().message()).c_str());
-    sum.voxels += result->timings.voxels;
-    sum.normals += result->timings.normals;
-    sum.supervoxels += result->timings.supervoxels;
-    sum.graph += result->timings.graph;
-    sum.merging += result->timings.merging;
-    sum.labels += result->timings.labels;
-    state.counters["m"] = static_cast<double>(result->tree.leaf_count());
-    state.counters["finite"] = static_cast<double>(result->finite_points);
+    for (const Stage& stage : kStages) sum.*stage.ms += result->timings.*stage.ms;
+    state.counters["supervoxel_count"] = static_cast<double>(result->tree.leaf_count());
+    state.counters["finite_points"] = static_cast<double>(result->finite_points);
+    state.counters["voxel_count"] = static_cast<double>(result->voxels);
   }
-  const auto mean = [](double ms) { return benchmark::Counter(ms, benchmark::Counter::kAvgIterations); };
-  state.counters["1_voxels"] = mean(sum.voxels);
-  state.counters["2_normals"] = mean(sum.normals);
-  state.counters["3_supervoxels"] = mean(sum.supervoxels);
-  state.counters["4_graph"] = mean(sum.graph);
-  state.counters["5_merging"] = mean(sum.merging);
-  state.counters["6_labels"] = mean(sum.labels);
+  for (const Stage& stage : kStages) {
+    state.counters[stage.name] = benchmark::Counter(sum.*stage.ms, benchmark::Counter::kAvgIterations);
+  }
 }
 
-void time_pcl(benchmark::State& state, const Frame& frame, const Options& options) {
-  const PclVccs vccs(frame.cloud, options);
-  for (auto _ : state) state.counters["m"] = static_cast<double>(vccs.run());
+void time_pcl_vccs(benchmark::State& state, const Frame& frame) {
+  const pcl_peer::PclCloud cloud(frame.cloud);
+  const pcl_peer::VccsSettings settings = pcl_peer::same_as({.method = Method::kLambdaConvex});
+  for (auto _ : state) {
+    state.counters["supervoxel_count"] = static_cast<double>(pcl_peer::PclSupervoxels(cloud, settings).size());
+  }
+}
+
+void time_pcl_lccp(benchmark::State& state, const Frame& frame) {
+  const pcl_peer::PclCloud cloud(frame.cloud);
+  for (auto _ : state) {
+    const pcl_peer::PclSupervoxels supervoxels(cloud, {});
+    benchmark::DoNotOptimize(supervoxels.merge({}));
+    state.counters["supervoxel_count"] = static_cast<double>(supervoxels.size());
+  }
 }
 
 void register_all() {
-  Options options;
-  options.method = Method::kLambdaConvex;
-  const auto add = [](const std::string& name, auto function, const Frame& frame, const Options& o) {
-    benchmark::RegisterBenchmark(name.c_str(), function, frame, o)
-        ->Unit(benchmark::kMillisecond)
-        ->MinTime(0.2)
-        ->Repetitions(5);
-  };
   for (const Frame& frame : frames()) {
-    add("lambda-convex/" + frame.name, time_segment, frame, options);
-    add("pcl-vccs/" + frame.name, time_pcl, frame, options);
+    const auto add = [&](const std::string& what, auto function, auto... arguments) {
+      benchmark::RegisterBenchmark((what + "/" + frame.name).c_str(), function, frame, arguments...)
+          ->Unit(benchmark::kMillisecond)
+          ->MinTime(0.2)
+          ->Repetitions(5);
+    };
+    add("border", time_ours, Method::kBorder);
+    add("pcl-lccp", time_pcl_lccp);
+    add("lambda-convex", time_ours, Method::kLambdaConvex);
+    add("pcl-vccs", time_pcl_vccs);
   }
 }
 
@@ -61,6 +82,5 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   segserve::bench::register_all();
-  segserve::bench::RatioReporter reporter("lambda-convex", "pcl-vccs");
-  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::RunSpecifiedBenchmarks();
 }

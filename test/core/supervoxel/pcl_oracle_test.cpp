@@ -1,8 +1,5 @@
 // Supervoxels must not be worse than those of PCL's SupervoxelClustering on the same frames.
 #include <gtest/gtest.h>
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
-#include <pcl/segmentation/supervoxel_clustering.h>
 
 #include <filesystem>
 
@@ -10,6 +7,7 @@
 #include "segserve/eval/scores.hpp"
 #include "segserve/pipeline/segment.hpp"
 #include "segserve/synth/scene.hpp"
+#include "test/pcl/pcl_peer.hpp"
 
 namespace segserve {
 namespace {
@@ -26,38 +24,12 @@ struct Sums {
   }
 };
 
-/// One id a point; PCL's 0, a point it left out, becomes a supervoxel of its own kind.
-std::vector<std::uint32_t> pcl_supervoxels(const Cloud& cloud, const SupervoxelOptions& options, std::size_t& count) {
-  const pcl::PointCloud<pcl::PointXYZRGBA>::Ptr points(
-      new pcl::PointCloud<pcl::PointXYZRGBA>(cloud.width, cloud.height));
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    pcl::PointXYZRGBA& p = (*points)[i];
-    p.x = cloud.x[i], p.y = cloud.y[i], p.z = cloud.z[i];
-    p.rgba = cloud.rgb[i] | 0xff000000U;
-  }
-  points->is_dense = false;
-  pcl::SupervoxelClustering<pcl::PointXYZRGBA> clustering(static_cast<float>(options.voxel_resolution),
-                                                          static_cast<float>(options.seed_resolution));
-  clustering.setUseSingleCameraTransform(cloud.view.kind == ViewKind::kCamera);
-  clustering.setInputCloud(points);
-  clustering.setColorImportance(static_cast<float>(options.color_weight));
-  clustering.setSpatialImportance(static_cast<float>(options.spatial_weight));
-  clustering.setNormalImportance(static_cast<float>(options.normal_weight));
-  std::map<std::uint32_t, pcl::Supervoxel<pcl::PointXYZRGBA>::Ptr> clusters;
-  clustering.extract(clusters);
-  count = clusters.size();
-  std::vector<std::uint32_t> ids;
-  const pcl::PointCloud<pcl::PointXYZL>::Ptr labelled = clustering.getLabeledCloud();
-  for (const pcl::PointXYZL& point : *labelled) ids.push_back(point.label);
-  return ids;
-}
-
 void compare(const codec::LabelledCloud& frame, const Options& options, Sums& ours, Sums& pcl) {
   const Segmentation s = *segment(frame.cloud, options);
   ours.add(frame.label, s.supervoxels, s.tree.leaf_count());
-  std::size_t count = 0;
-  const std::vector<std::uint32_t> ids = pcl_supervoxels(frame.cloud, supervoxel_options(options), count);
-  pcl.add(frame.label, ids, count);
+  const pcl_peer::PclCloud cloud(frame.cloud);
+  const pcl_peer::PclSupervoxels theirs(cloud, pcl_peer::same_as(options));
+  pcl.add(frame.label, theirs.labels(), theirs.size());  // 0, what PCL left out, counts as a supervoxel of its own kind
 }
 
 void expect_not_worse(const Sums& ours, const Sums& pcl) {

@@ -1,0 +1,31 @@
+// One warm segmentation of a synthetic frame, for callgrind to count: test/bench/instructions.py runs it.
+//
+//   count_instructions METHOD
+#include <valgrind/callgrind.h>
+
+#include <cstdio>
+
+#include "segserve/pipeline/segment.hpp"
+#include "segserve/synth/scene.hpp"
+
+int main(int argc, char** argv) {
+  const auto method = segserve::method_from_name(argc == 2 ? argv[1] : "");
+  if (!method) {
+    std::fputs("count_instructions METHOD, e.g. border\n", stderr);
+    return 2;
+  }
+  segserve::synth::SceneOptions scene_options;
+  scene_options.width = 320;
+  scene_options.height = 240;
+  const auto scene = segserve::synth::make_tabletop(scene_options);
+  if (!scene.ok()) return 1;
+  segserve::Options options;
+  options.method = *method;
+
+  segserve::Segmenter segmenter;
+  if (!segmenter.segment(scene->cloud, options).ok()) return 1;  // which allocates the workspace
+  CALLGRIND_START_INSTRUMENTATION;
+  const auto result = segmenter.segment(scene->cloud, options);
+  CALLGRIND_DUMP_STATS;  // into a file that ends in .1
+  return result.ok() ? 0 : 1;
+}
