@@ -126,6 +126,8 @@ struct Segmenter::Workspace {
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
   Seeds seeds;
+  GrowthScratch growth;
+  Supervoxels supervoxels;
 };
 
 Segmenter::Segmenter() : workspace_(std::make_unique<Workspace>()) {}
@@ -139,7 +141,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
-  auto& [scratch, grid, adjacency, normals, seeds] = *workspace_;
+  auto& [scratch, grid, adjacency, normals, seeds, growth, supervoxels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -169,19 +171,19 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   // Over-segmentation: the supervoxels R^m (VCCS).
   select_seeds(grid, cloud.view, settings.voxel_resolution, settings.seed_resolution, seeds, stop);
   if (status = stop.check(); !status.ok()) return status;
-  const absl::StatusOr<Supervoxels> supervoxels = grow_supervoxels(grid, adjacency, normals, seeds, settings, stop);
-  if (!supervoxels.ok()) return supervoxels.status();
+  status = grow_supervoxels(grid, adjacency, normals, seeds, settings, stop, growth, supervoxels);
+  if (!status.ok()) return status;
   timings.supervoxels = watch.lap();
 
   // The region adjacency graph G^m.
   const RegionGraph graph =
-      build_region_graph(grid, adjacency, normals, *supervoxels, cloud.view, settings.voxel_resolution, stop);
+      build_region_graph(grid, adjacency, normals, supervoxels, cloud.view, settings.voxel_resolution, stop);
   if (status = stop.check(); !status.ok()) return status;
   timings.graph = watch.lap();
 
   // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
   absl::StatusOr<MergeTree> tree = options.method == Method::kBorder
-                                       ? merge_by_border(graph, grid, adjacency, normals, *supervoxels, options, stop)
+                                       ? merge_by_border(graph, grid, adjacency, normals, supervoxels, options, stop)
                                        : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);
@@ -192,8 +194,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (!level.ok()) return level.status();
   result.segments = level->segments;
   result.labels =
-      spread(grid, *supervoxels, options.threads, stop, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
-  result.supervoxels = spread(grid, *supervoxels, options.threads, stop, [](std::uint32_t s) { return s + 1; });
+      spread(grid, supervoxels, options.threads, stop, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
+  result.supervoxels = spread(grid, supervoxels, options.threads, stop, [](std::uint32_t s) { return s + 1; });
   if (status = stop.check(); !status.ok()) return status;
   timings.labels = watch.lap();
 

@@ -77,6 +77,19 @@ class StopCheck {
   /// Whether `after` has said so.
   bool stopped() const { return stopped_; }
 
+  /// each(first, last) for consecutive blocks of [begin, end), one unit of work an index. For small loops: their
+  /// variables stay in registers.
+  template <typename Each>
+  bool for_each_block(std::size_t begin, std::size_t end, Each&& each) {
+    while (begin < end && !stopped_) {
+      const std::size_t last = std::min<std::size_t>(end, begin + interval_);
+      each(begin, last);
+      after(last - begin);
+      begin = last;
+    }
+    return !stopped_;
+  }
+
   /// each(i) for all i in [begin, end). What it returns is the work it did; nothing: one unit. False: it was left
   /// early.
   template <typename Each>

@@ -1,76 +1,68 @@
 #include "segserve/supervoxel/growth.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "segserve/supervoxel/clusters.hpp"
+
 namespace segserve {
+
+using namespace growth;
+
+struct GrowthScratch::Buffers {
+  std::vector<Voxel> voxels;
+  std::vector<Cluster> clusters;  // more than there are, so that their candidates keep their memory
+  std::vector<std::uint32_t> owner, seen;
+  std::vector<Claim> claims;
+  std::vector<std::uint32_t> rest, number, fresh;
+};
+
+GrowthScratch::GrowthScratch() : buffers_(std::make_unique<Buffers>()) {}
+GrowthScratch::~GrowthScratch() = default;
+GrowthScratch::GrowthScratch(GrowthScratch&&) noexcept = default;
+GrowthScratch& GrowthScratch::operator=(GrowthScratch&&) noexcept = default;
+
 namespace {
 
-constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
-constexpr float kUnreached = std::numeric_limits<float>::infinity();
 constexpr float kProvisional = std::numeric_limits<float>::max();  // any measured distance is nearer
-
-/// What distances are measured on, scaled by the weights: position, colour, normal.
-struct Feature {
-  float px, py, pz, cr, cg, cb, nx, ny, nz;
-};
-
-struct FeatureSum {
-  Vec3 position, color, normal;
-
-  void add(const Feature& f, double sign) {
-    position += sign * Vec3{f.px, f.py, f.pz};
-    color += sign * Vec3{f.cr, f.cg, f.cb};
-    normal += sign * Vec3{f.nx, f.ny, f.nz};
-  }
-  Feature mean(std::size_t count) const {
-    const double scale = 1 / static_cast<double>(count);
-    const Vec3 p = scale * position;
-    const Vec3 c = scale * color;
-    const Vec3 n = unit(normal);
-    const auto f = [](double v) { return static_cast<float>(v); };
-    return {f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)};
-  }
-};
-
-struct Cluster {
-  std::vector<std::uint32_t> voxels;  // may name voxels lost since the cluster's last turn
-  std::size_t count = 0;              // voxels it owns
-  FeatureSum sum;
-  Feature centre{};
-  // Nothing changes at the turn of a cluster that neither gained nor lost since its last one.
-  bool changed = true;
-  bool changed_next = false;
-};
 
 class Growth {
  public:
   Growth(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-         const SupervoxelOptions& options, const StopToken& stop)
+         const SupervoxelOptions& options, const StopToken& stop, GrowthScratch::Buffers& buffers)
       : adjacency_(adjacency),
         check_(stop),
         normal_weight_(static_cast<float>(options.normal_weight)),
-        owner_(grid.size(), kNobody),
-        distance_(grid.size(), kUnreached),
-        seen_(grid.size(), 0) {
+        voxels_(buffers.voxels),
+        owner_(buffers.owner),
+        seen_(buffers.seen),
+        clusters_(buffers.clusters),
+        claims_(buffers.claims),
+        rest_(buffers.rest),
+        number_(buffers.number),
+        fresh_(buffers.fresh) {
     const double position_scale = options.spatial_weight / options.seed_resolution;
-    features_.reserve(grid.size());
+    voxels_.resize(grid.size());
+    owner_.assign(grid.size(), kNobody);
+    seen_.assign(grid.size(), 0);
     check_.for_each(0, grid.size(), [&](std::size_t v) {
       const Vec3 p = position_scale * grid.centroid[v];
       const Vec3 c = (options.color_weight / 255 / grid.points[v]) * grid.color_sum[v];
       const Vec3& n = normals[v];
       const auto f = [](double value) { return static_cast<float>(value); };
-      features_.push_back({f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)});
+      voxels_[v] = {{f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)}, kUnreached};
     });
   }
 
   void plant(const std::vector<std::uint32_t>& seeds) {
     for (const std::uint32_t seed : seeds) {
-      if (check_.after(1)) return;
+      if (check_.after(1 + adjacency_.of(seed).size())) return;
       if (owner_[seed] != kNobody) continue;
-      const auto c = static_cast<std::uint32_t>(clusters_.size());
-      clusters_.emplace_back();
-      take(c, seed, kUnreached);
+      const std::uint32_t c = new_cluster();
+      const auto neighbors = adjacency_.of(seed);
+      clusters_[c].candidates.assign(neighbors.begin(), neighbors.end());
+      take({seed, c, kUnreached});
       clusters_[c].centre = clusters_[c].sum.mean(1);
     }
   }
@@ -78,15 +70,15 @@ class Growth {
   /// PCL's first round measures from the origin, so that what counts is who comes first: a seed next
   /// to an earlier one is taken by it and dies. That thins the seeds out well, so we do it on purpose.
   void first_round() {
-    for (std::uint32_t c = 0; c < clusters_.size() && !check_.after(1); ++c) {
-      expand(c, [](const Feature&, const Feature&) { return kProvisional; });
+    for (std::uint32_t c = 0; c < cluster_count_ && !check_.after(1); ++c) {
+      if (clusters_[c].count > 0) expand(c, [](const Feature&, const Feature&) { return kProvisional; });
     }
     move_centres();
   }
 
   /// Returns whether anything changed.
   bool round() {
-    for (std::uint32_t c = 0; c < clusters_.size() && !check_.after(1); ++c) {
+    for (std::uint32_t c = 0; c < cluster_count_ && !check_.after(1); ++c) {
       if (clusters_[c].count > 0 && clusters_[c].changed) {
         expand(c, [this](const Feature& centre, const Feature& voxel) { return distance(centre, voxel); });
       }
@@ -94,58 +86,72 @@ class Growth {
     return move_centres();
   }
 
-  /// Layer by layer, gives voxels without owner to the nearest cluster that touches them.
-  void reach_the_rest() {
-    struct Claim {
-      std::uint32_t voxel, cluster;
-    };
-    std::vector<std::uint32_t> rest;
-    check_.for_each(0, owner_.size(), [&](std::size_t v) {
-      if (owner_[v] == kNobody) rest.push_back(static_cast<std::uint32_t>(v));
+  /// The rest: the voxels without owner.
+  void find_rest() {
+    rest_.clear();
+    check_.for_each(0, voxels_.size(), [&](std::size_t v) {
+      if (owner_[v] == kNobody) rest_.push_back(static_cast<std::uint32_t>(v));
     });
-    std::vector<Claim> layer;
-    do {
-      layer.clear();
-      for (const std::uint32_t v : rest) {
-        if (check_.after(1 + adjacency_.of(v).size())) return;
-        const std::uint32_t c = nearest_neighbouring_cluster(v);
-        if (c != kNobody) layer.push_back({v, c});
-      }
-      check_.for_each(0, layer.size(), [&](std::size_t i) { take(layer[i].cluster, layer[i].voxel, 0); });
-      keep_if(rest, [this](std::uint32_t v) { return owner_[v] == kNobody; });
-    } while (!layer.empty() && !check_.stopped());
+  }
+
+  /// Layer by layer, gives voxels without owner to the nearest cluster that touches them. What touches a cluster in one
+  /// layer and did not before touches a voxel of the layer before: no need to go through the whole rest each time.
+  void reach_the_rest() {
+    trim_rest();
+    claims_.clear();
+    ++turn_;
+    check_.for_each(0, rest_.size(), [&](std::size_t i) { return 1 + claim_for_nearest(rest_[i]); });
+    std::size_t begin = 0;
+    while (begin < claims_.size() && !check_.stopped()) {
+      const std::size_t end = claims_.size();
+      check_.for_each(begin, end, [&](std::size_t i) { owner_[claims_[i].voxel] = claims_[i].cluster; });
+      check_.for_each(begin, end, [&](std::size_t i) {
+        std::size_t work = 1;
+        for (const std::uint32_t u : adjacency_.of(claims_[i].voxel)) work += 1 + claim_for_nearest(u);
+        return work;
+      });
+      begin = end;
+    }
   }
 
   /// Components that no seed lies in: one cluster each, from the smallest voxel.
   void adopt_components() {
-    for (std::uint32_t v = 0; v < owner_.size() && !check_.after(1); ++v) {
-      if (owner_[v] != kNobody) continue;
-      plant({v});
-      if (check_.stopped()) return;
-      const auto c = static_cast<std::uint32_t>(clusters_.size() - 1);
-      for (std::size_t i = 0; i < clusters_[c].voxels.size(); ++i) {
-        const auto neighbors = adjacency_.of(clusters_[c].voxels[i]);
+    for (const std::uint32_t first : rest_) {
+      if (check_.after(1)) return;
+      if (owner_[first] != kNobody) continue;
+      const std::uint32_t c = new_cluster();
+      claims_.assign(1, {first, c, 0});
+      owner_[first] = c;
+      for (std::size_t i = 0; i < claims_.size(); ++i) {
+        const auto neighbors = adjacency_.of(claims_[i].voxel);
         if (check_.after(1 + neighbors.size())) return;
         for (const std::uint32_t u : neighbors) {
-          if (owner_[u] == kNobody) take(c, u, 0);
+          if (owner_[u] != kNobody) continue;
+          owner_[u] = c;
+          claims_.push_back({u, c, 0});
         }
       }
     }
   }
 
-  Supervoxels numbered() {
-    Supervoxels result;
-    result.of_voxel.resize(owner_.size());
-    std::vector<std::uint32_t> number(clusters_.size(), kNobody);
-    check_.for_each(0, owner_.size(), [&](std::size_t v) {
-      std::uint32_t& n = number[owner_[v]];
+  void number(Supervoxels& result) {
+    result.count = 0;
+    result.of_voxel.resize(voxels_.size());
+    number_.assign(cluster_count_, kNobody);
+    check_.for_each(0, voxels_.size(), [&](std::size_t v) {
+      std::uint32_t& n = number_[owner_[v]];
       if (n == kNobody) n = result.count++;
       result.of_voxel[v] = n;
     });
-    return result;
   }
 
  private:
+  std::uint32_t new_cluster() {
+    if (cluster_count_ == clusters_.size()) clusters_.emplace_back();
+    clusters_[cluster_count_].clear();
+    return cluster_count_++;
+  }
+
   float distance(const Feature& a, const Feature& b) const {
     const float px = a.px - b.px, py = a.py - b.py, pz = a.pz - b.pz;
     const float cr = a.cr - b.cr, cg = a.cg - b.cg, cb = a.cb - b.cb;
@@ -157,89 +163,162 @@ class Growth {
   /// One turn of a cluster: its centre stays where it is, and what it takes now expands next time.
   template <typename Distance>
   void expand(std::uint32_t c, Distance&& measure) {
-    keep_if(clusters_[c].voxels, [&](std::uint32_t v) { return owner_[v] == c; });
     ++turn_;
-    const Cluster& cluster = clusters_[c];
-    const auto expand_from = [&](std::size_t i) {
-      const auto neighbors = adjacency_.of(cluster.voxels[i]);
-      for (const std::uint32_t u : neighbors) {
-        if (owner_[u] == c || seen_[u] == turn_) continue;
-        seen_[u] = turn_;
-        const float d = measure(cluster.centre, features_[u]);
-        if (d < distance_[u]) take(c, u, d);
-      }
-      return 1 + neighbors.size();
-    };
-    check_.for_each(0, cluster.voxels.size(), expand_from);
-  }
-
-  template <typename Predicate>
-  void keep_if(std::vector<std::uint32_t>& voxels, Predicate&& keep) {
-    std::size_t kept = 0;
-    const bool complete = check_.for_each(0, voxels.size(), [&](std::size_t i) {
-      if (keep(voxels[i])) voxels[kept++] = voxels[i];
+    std::size_t claims = find_claims(c, measure);
+    if (clusters_[c].lost) claims = drop_claims_that_do_not_touch(claims);
+    std::size_t fresh = 0;
+    check_.for_each(0, claims, [&](std::size_t i) {
+      take(claims_[i]);
+      fresh = add_candidates_around(claims_[i].voxel, c, fresh);
+      return 1 + adjacency_.of(claims_[i].voxel).size();
     });
-    if (complete) voxels.resize(kept);
+    std::vector<std::uint32_t>& candidates = clusters_[c].candidates;
+    candidates.insert(candidates.end(), fresh_.begin(), fresh_.begin() + static_cast<std::ptrdiff_t>(fresh));
   }
 
-  void take(std::uint32_t c, std::uint32_t v, float d) {
-    if (owner_[v] != kNobody) {
-      Cluster& loser = clusters_[owner_[v]];
-      --loser.count;
-      loser.sum.add(features_[v], -1);
-      loser.changed = loser.changed_next = true;
+  /// The candidates that are nearer to cluster c than to their owners become claims; the others stay candidates.
+  /// Returns the number of claims. No branches: they would be mispredicted for every fourth candidate.
+  template <typename Distance>
+  std::size_t find_claims(std::uint32_t c, Distance&& measure) {
+    std::vector<std::uint32_t>& candidates = clusters_[c].candidates;
+    if (claims_.size() <= candidates.size()) claims_.resize(2 * candidates.size() + 1);
+    std::size_t claims = 0, kept = 0;
+    const bool complete = check_.for_each_block(
+        0, candidates.size(),
+        [&, centre = clusters_[c].centre, candidate = candidates.data(), voxels = voxels_.data(), seen = seen_.data(),
+         claim = claims_.data(), turn = turn_](std::size_t begin, std::size_t end) {
+          std::size_t claimed = claims, left = kept;
+          for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t u = candidate[i];
+            const float d = measure(centre, voxels[u].feature);
+            const bool nearer = d < voxels[u].distance;
+            seen[u] = turn;
+            claim[claimed] = {u, c, d};
+            candidate[left] = u;
+            claimed += static_cast<std::size_t>(nearer);
+            left += static_cast<std::size_t>(!nearer);
+          }
+          claims = claimed, kept = left;
+        });
+    if (complete) candidates.resize(kept);
+    return claims;
+  }
+
+  /// Where the cluster has lost voxels, what touched them may not touch it any more, and is no candidate then.
+  std::size_t drop_claims_that_do_not_touch(std::size_t claims) {
+    std::size_t kept = 0;
+    check_.for_each(0, claims, [&](std::size_t i) {
+      const Claim claim = claims_[i];
+      const bool touching = touches(claim.voxel, claim.cluster);
+      claims_[kept] = claim;
+      kept += static_cast<std::size_t>(touching);
+      if (!touching) seen_[claim.voxel] = 0;
+      return 1 + adjacency_.of(claim.voxel).size();
+    });
+    return kept;
+  }
+
+  bool touches(std::uint32_t v, std::uint32_t c) const {
+    const auto neighbors = adjacency_.of(v);
+    return std::any_of(neighbors.begin(), neighbors.end(), [&](std::uint32_t u) { return owner_[u] == c; });
+  }
+
+  /// Appends the foreign neighbours of v that are no candidates of c yet to the `fresh` ones; returns their number.
+  std::size_t add_candidates_around(std::uint32_t v, std::uint32_t c, std::size_t fresh) {
+    const auto neighbors = adjacency_.of(v);
+    if (fresh_.size() <= fresh + neighbors.size()) fresh_.resize(2 * (fresh + neighbors.size()) + 1);
+    const std::uint32_t turn = turn_;
+    const std::uint32_t* owner = owner_.data();
+    std::uint32_t* seen = seen_.data();
+    std::uint32_t* out = fresh_.data();
+    for (const std::uint32_t u : neighbors) {
+      out[fresh] = u;
+      fresh += static_cast<std::size_t>(owner[u] != c) & static_cast<std::size_t>(seen[u] != turn);
+      seen[u] = turn;
     }
-    Cluster& winner = clusters_[c];
+    return fresh;
+  }
+
+  void take(const Claim& claim) {
+    Voxel& voxel = voxels_[claim.voxel];
+    std::uint32_t& owner = owner_[claim.voxel];
+    if (owner != kNobody) {
+      Cluster& loser = clusters_[owner];
+      --loser.count;
+      loser.sum.add(voxel.feature, -1);
+      loser.candidates.push_back(claim.voxel);
+      loser.changed = loser.changed_next = loser.lost = true;
+    }
+    Cluster& winner = clusters_[claim.cluster];
     ++winner.count;
-    winner.sum.add(features_[v], 1);
-    winner.voxels.push_back(v);
+    winner.sum.add(voxel.feature, 1);
     winner.changed_next = true;
-    owner_[v] = c;
-    distance_[v] = d;
+    owner = claim.cluster;
+    voxel.distance = claim.distance;
   }
 
   bool move_centres() {
     bool any = false;
-    for (Cluster& cluster : clusters_) {
-      if (check_.after(1)) return false;
+    check_.for_each(0, cluster_count_, [&](std::size_t c) {
+      Cluster& cluster = clusters_[c];
       any |= cluster.changed_next;
       if (cluster.changed_next && cluster.count > 0) cluster.centre = cluster.sum.mean(cluster.count);
       cluster.changed = cluster.changed_next;
       cluster.changed_next = false;
-    }
-    return any;
+    });
+    return any && !check_.stopped();
   }
 
-  std::uint32_t nearest_neighbouring_cluster(std::uint32_t v) const {
+  /// Voxel v, if it is free, is claimed for the nearest cluster that touches it, but once. Returns the work.
+  std::size_t claim_for_nearest(std::uint32_t v) {
+    if (owner_[v] != kNobody || seen_[v] == turn_) return 0;
+    const auto neighbors = adjacency_.of(v);
     std::uint32_t nearest = kNobody;
     float smallest = kUnreached;
-    for (const std::uint32_t u : adjacency_.of(v)) {
+    for (const std::uint32_t u : neighbors) {
       const std::uint32_t c = owner_[u];
       if (c == kNobody) continue;
-      const float d = distance(clusters_[c].centre, features_[v]);
+      const float d = distance(clusters_[c].centre, voxels_[v].feature);
       if (d < smallest || (d == smallest && c < nearest)) smallest = d, nearest = c;
     }
-    return nearest;
+    if (nearest != kNobody) {
+      seen_[v] = turn_;
+      claims_.push_back({v, nearest, 0});
+    }
+    return neighbors.size();
+  }
+
+  /// Leaves only voxels without owner in the rest.
+  void trim_rest() {
+    std::size_t kept = 0;
+    const bool complete = check_.for_each(0, rest_.size(), [&](std::size_t i) {
+      if (owner_[rest_[i]] == kNobody) rest_[kept++] = rest_[i];
+    });
+    if (complete) rest_.resize(kept);
   }
 
   const VoxelAdjacency& adjacency_;
   StopCheck check_;
   float normal_weight_;
-  std::vector<Feature> features_;
-  std::vector<std::uint32_t> owner_;
-  std::vector<float> distance_;      // to the owner's centre when it took the voxel
-  std::vector<std::uint32_t> seen_;  // the turn that measured the voxel last
-  std::vector<Cluster> clusters_;
+  std::vector<Voxel>& voxels_;
+  std::vector<std::uint32_t>& owner_;  // a cluster
+  std::vector<std::uint32_t>& seen_;   // the last turn that had the voxel among its candidates
+  std::vector<Cluster>& clusters_;
+  std::vector<Claim>& claims_;
+  std::vector<std::uint32_t>& rest_;  // voxels without owner, ascending
+  std::vector<std::uint32_t>& number_;
+  std::vector<std::uint32_t>& fresh_;  // candidates that a turn adds
+  std::uint32_t cluster_count_ = 0;
   std::uint32_t turn_ = 0;
 };
 
 }  // namespace
 
-absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                             const std::vector<Vec3>& normals, const Seeds& seeds,
-                                             const SupervoxelOptions& options, const StopToken& stop) {
+absl::Status grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                              const Seeds& seeds, const SupervoxelOptions& options, const StopToken& stop,
+                              GrowthScratch& scratch, Supervoxels& supervoxels) {
   const auto rounds = static_cast<int>(1.8 * options.seed_resolution / options.voxel_resolution + 1e-6) - 1;
-  Growth growth(grid, adjacency, normals, options, stop);
+  Growth growth(grid, adjacency, normals, options, stop, scratch.buffers());
   if (absl::Status status = stop.check(); !status.ok()) return status;
   growth.plant(seeds.chosen);
   growth.first_round();
@@ -247,14 +326,14 @@ absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelA
     if (absl::Status status = stop.check(); !status.ok()) return status;
     if (!growth.round()) break;
   }
+  growth.find_rest();
   growth.reach_the_rest();
   growth.plant(seeds.sparse);
   growth.reach_the_rest();
   growth.adopt_components();
   if (absl::Status status = stop.check(); !status.ok()) return status;
-  Supervoxels supervoxels = growth.numbered();
-  if (absl::Status status = stop.check(); !status.ok()) return status;
-  return supervoxels;
+  growth.number(supervoxels);
+  return stop.check();
 }
 
 }  // namespace segserve

@@ -1,9 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
-#include "absl/status/statusor.h"
+#include "absl/status/status.h"
 #include "segserve/math/vec3.hpp"
 #include "segserve/options/options.hpp"
 #include "segserve/pipeline/stop_token.hpp"
@@ -19,14 +20,30 @@ struct Supervoxels {
   std::uint32_t count = 0;              ///< m
 };
 
+/// Buffers of `grow_supervoxels` that are worth keeping between calls.
+class GrowthScratch {
+ public:
+  GrowthScratch();
+  ~GrowthScratch();
+  GrowthScratch(GrowthScratch&&) noexcept;
+  GrowthScratch& operator=(GrowthScratch&&) noexcept;
+
+  struct Buffers;
+  Buffers& buffers() { return *buffers_; }
+
+ private:
+  std::unique_ptr<Buffers> buffers_;
+};
+
 /// Grows supervoxels from the seeds (VCCS, Papon et al. 2013): in rounds, each takes the neighbouring
 /// voxels that are nearer to it than to their present owner by
 ///     color |dRGB| / 255 + spatial |dx| / seed resolution + normal (1 - |n . n'|),
 /// then moves its centre. After 1.8 seed/voxel resolutions of rounds, as in PCL, voxels not reached
 /// yet are given to the nearest neighbouring supervoxel; components without a seed get one. So every
 /// voxel has exactly one supervoxel.
-absl::StatusOr<Supervoxels> grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                             const std::vector<Vec3>& normals, const Seeds& seeds,
-                                             const SupervoxelOptions& options, const StopToken& stop);
+/// CANCELLED, DEADLINE_EXCEEDED.
+absl::Status grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                              const Seeds& seeds, const SupervoxelOptions& options, const StopToken& stop,
+                              GrowthScratch& scratch, Supervoxels& supervoxels);
 
 }  // namespace segserve

@@ -119,7 +119,10 @@ TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
   find_adjacency(grid, adjacency);
   ASSERT_TRUE(compute_normals(grid, adjacency, cloud.view, 1, StopToken(), normals).ok());
   select_seeds(grid, cloud.view, 0.01, 0.08, seeds);
-  const Supervoxels s = *grow_supervoxels(grid, adjacency, normals, seeds, {0.01, 0.08, 0.2, 0.4, 1}, StopToken());
+  GrowthScratch growth;
+  Supervoxels s;
+  const SupervoxelOptions options{0.01, 0.08, 0.2, 0.4, 1};
+  ASSERT_TRUE(grow_supervoxels(grid, adjacency, normals, seeds, options, StopToken(), growth, s).ok());
   const RegionGraph graph = build_region_graph(grid, adjacency, normals, s, cloud.view, 0.01);
 
   struct Sum {
