@@ -13,8 +13,9 @@ namespace segserve::math {
 
 /// The order (indices into `keys`) that sorts the keys ascending, equal keys in input order: a
 /// radix sort of 11 bits a pass that leaves out passes in which all keys agree. If `check` stops it the order is
-/// useless.
-inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order, StopCheck& check) {
+/// useless. `previous` is a buffer.
+inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order,
+                       std::vector<std::uint32_t>& previous, StopCheck& check) {
   constexpr int kBits = 11;
   constexpr std::size_t kBuckets = std::size_t{1} << kBits;
   order.resize(keys.size());
@@ -22,7 +23,7 @@ inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uin
   if (keys.empty()) return;
   std::uint64_t varying = 0;
   check.for_each(0, keys.size(), [&](std::size_t i) { varying |= keys[i] ^ keys[0]; });
-  std::vector<std::uint32_t> previous(keys.size());
+  previous.resize(keys.size());
   for (int shift = 0; shift < 64; shift += kBits) {
     if (((varying >> shift) & (kBuckets - 1)) == 0) continue;
     std::array<std::uint32_t, kBuckets> begin{};
@@ -34,6 +35,11 @@ inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uin
     });
     if (!complete) return;
   }
+}
+
+inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order, StopCheck& check) {
+  std::vector<std::uint32_t> previous;
+  sort_order(keys, order, previous, check);
 }
 
 inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order) {

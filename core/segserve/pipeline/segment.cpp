@@ -125,6 +125,7 @@ struct Segmenter::Workspace {
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
+  SeedScratch seeding;
   Seeds seeds;
   GrowthScratch growth;
   Supervoxels supervoxels;
@@ -141,7 +142,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
-  auto& [scratch, grid, adjacency, normals, seeds, growth, supervoxels] = *workspace_;
+  auto& [scratch, grid, adjacency, normals, seeding, seeds, growth, supervoxels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -169,7 +170,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.normals = watch.lap();
 
   // Over-segmentation: the supervoxels R^m (VCCS).
-  select_seeds(grid, cloud.view, settings.voxel_resolution, settings.seed_resolution, seeds, stop);
+  select_seeds(grid, cloud.view, settings.voxel_resolution, settings.seed_resolution, seeding, seeds, stop);
   if (status = stop.check(); !status.ok()) return status;
   status = grow_supervoxels(grid, adjacency, normals, seeds, settings, stop, growth, supervoxels);
   if (!status.ok()) return status;

@@ -15,12 +15,18 @@ struct Seeds {
   std::vector<std::uint32_t> sparse;  ///< those of the cells left out: used only where nothing else reaches
 };
 
+/// Buffers of `select_seeds` that are worth keeping between calls.
+struct SeedScratch {
+  std::vector<std::uint64_t> cell_of_voxel, cells;
+  std::vector<std::uint32_t> voxels, previous, begin;
+};
+
 /// VCCS: in each occupied cell of a cubic grid of edge `seed_resolution` (metres, fixed origin), the
 /// voxel nearest to the cell's centre. As in PCL, a seed counts if the voxels within half a seed
 /// resolution are more than a twentieth of a flat disc; other than there, a seed never lies outside
 /// its cell, so no voxel is a seed twice, and the size of a voxel is its true one (in a CAMERA view
 /// voxel_resolution * z), so that far surfaces get seeds, too. If stopped, the seeds are useless.
 void select_seeds(const VoxelGrid& grid, const View& view, double voxel_resolution, double seed_resolution,
-                  Seeds& seeds, const StopToken& stop = {});
+                  SeedScratch& scratch, Seeds& seeds, const StopToken& stop = {});
 
 }  // namespace segserve

@@ -118,7 +118,8 @@ TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
   ASSERT_TRUE(voxelize(cloud, 0.01, 1, StopToken(), scratch, grid).ok());
   find_adjacency(grid, adjacency);
   ASSERT_TRUE(compute_normals(grid, adjacency, cloud.view, 1, StopToken(), normals).ok());
-  select_seeds(grid, cloud.view, 0.01, 0.08, seeds);
+  SeedScratch seeding;
+  select_seeds(grid, cloud.view, 0.01, 0.08, seeding, seeds);
   GrowthScratch growth;
   Supervoxels s;
   const SupervoxelOptions options{0.01, 0.08, 0.2, 0.4, 1};

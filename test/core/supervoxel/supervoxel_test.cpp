@@ -28,7 +28,8 @@ Stages run(const Cloud& cloud, const SupervoxelOptions& options = kPaper) {
   EXPECT_TRUE(voxelize(cloud, options.voxel_resolution, 1, StopToken(), scratch, s.grid).ok());
   find_adjacency(s.grid, s.adjacency);
   EXPECT_TRUE(compute_normals(s.grid, s.adjacency, cloud.view, 1, StopToken(), s.normals).ok());
-  select_seeds(s.grid, cloud.view, options.voxel_resolution, options.seed_resolution, s.seeds);
+  SeedScratch seeding;
+  select_seeds(s.grid, cloud.view, options.voxel_resolution, options.seed_resolution, seeding, s.seeds);
   GrowthScratch growth;
   EXPECT_TRUE(grow_supervoxels(s.grid, s.adjacency, s.normals, s.seeds, options, StopToken(), growth, s.supervoxels).ok());
   return s;
