@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/graph/region_graph.hpp"
+#include "segserve/merge/threshold.hpp"
 #include "segserve/merge/tournament.hpp"
 #include "segserve/merge/tree_builder.hpp"
 #include "segserve/pipeline/stop_token.hpp"
@@ -20,7 +21,7 @@ namespace segserve {
 ///
 /// `Evidence` is what a metric keeps of an edge; where two edges become one, theirs is added up.
 /// `dissimilarity` decides the order of the merges, and must give the same bits for (a, b) and (b, a);
-/// `weight` maps it to [0, 1], where it may saturate. `too_small` tells regions that cannot stay on their own;
+/// `weight` maps it to [0, 1], where it may saturate; it grows with it, up to rounding. `too_small` tells regions that cannot stay on their own;
 /// merging never makes a region too small.
 template <typename T>
 concept Metric = requires(T metric, const T& constant, typename T::Evidence evidence, std::uint32_t r, double d) {
@@ -50,15 +51,16 @@ class Merger {
          const StopToken& stop)
       : metric_(metric),
         threshold_(threshold),
+        below_([&metric](double dissimilarity) { return metric.weight(dissimilarity); }, threshold),
         stop_(stop),
         check_(stop),
         links_(metric.region_count()),
         best_(metric.region_count(), Edge{}) {
     check_.for_each(0, edges.size(), [&](std::size_t e) {
       const auto [a, b] = edges[e];
-      const double dissimilarity = metric_.dissimilarity(a, b, evidence[e]);
-      links_[a].push_back({b, dissimilarity, evidence[e]});
-      links_[b].push_back({a, dissimilarity, evidence[e]});
+      const Link link = this->link(a, b, evidence[e]);
+      links_[a].push_back(link);
+      links_[b].push_back(link.back_to(a));
     });
     for (std::uint32_t r = 0; r < links_.size() && !check_.after(1 + links_[r].size()); ++r) {
       std::ranges::sort(links_[r], {}, &Link::region);
@@ -88,8 +90,11 @@ class Merger {
 
   struct Link {
     std::uint32_t region;
+    bool below;  // its weight is below the threshold
     double dissimilarity;
     [[no_unique_address]] Evidence evidence;
+
+    Link back_to(std::uint32_t r) const { return {r, below, dissimilarity, evidence}; }
   };
 
   /// Equal dissimilarities: the smaller ids first.
@@ -102,9 +107,15 @@ class Merger {
     }
   };
 
+  Link link(std::uint32_t from, std::uint32_t to, const Evidence& evidence) const {
+    const double dissimilarity = metric_.dissimilarity(from, to, evidence);
+    const auto weight = [this](double d) { return metric_.weight(d); };
+    return {to, below_(weight, dissimilarity), dissimilarity, evidence};
+  }
+
   Edge edge(std::uint32_t a, const Link& link) const {
     Turn turn = Turn::kLast;
-    if (metric_.weight(link.dissimilarity) < threshold_) {
+    if (link.below) {
       turn = Turn::kFirst;
     } else if (metric_.too_small(a) || metric_.too_small(link.region)) {
       turn = Turn::kTooSmall;
@@ -125,9 +136,9 @@ class Merger {
     links_[q] = {};
     best_.set(q, Edge{});
     check_.after(2 * links_[p].size());
-    for (Link& link : links_[p]) {
-      link.dissimilarity = metric_.dissimilarity(p, link.region, link.evidence);
-      replace_links(link, p, q);
+    for (Link& to : links_[p]) {
+      to = link(p, to.region, to.evidence);
+      replace_links(to, p, q);
     }
     find_best(p);
   }
@@ -155,7 +166,7 @@ class Merger {
     std::vector<Link>& links = links_[n];
     const auto at = [&](std::uint32_t region) { return std::ranges::lower_bound(links, region, {}, &Link::region); };
     if (const auto old = at(q); old != links.end() && old->region == q) links.erase(old);
-    const Link back{p, link.dissimilarity, link.evidence};
+    const Link back = link.back_to(p);
     if (const auto old = at(p); old != links.end() && old->region == p) {
       *old = back;
     } else {
@@ -182,6 +193,7 @@ class Merger {
 
   M& metric_;
   double threshold_;
+  BelowThreshold below_;
   const StopToken& stop_;
   StopCheck check_;
   std::vector<std::vector<Link>> links_;

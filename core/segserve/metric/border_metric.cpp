@@ -17,17 +17,16 @@ bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, doub
   const Vec3 d = xi - xj;
   const Vec3 x = cross(ni, nj);
   const double sine = norm(x);
-  const double angle = angle_degrees(ni, nj);
-  // Sanity: the line between the centroids must not run along the fold. A perfect plane has no fold.
-  bool sane = true;
-  if (sine >= 1e-6 && norm(d) > 0) {
-    const double along = angle_degrees(x, d);
-    sane = std::min(along, 180 - along) >= 60 / (1 + math::exp(-0.25 * (angle - 25)));
-  }
-  // Smoothness: no step between the two surfaces.
+  // Smoothness: no step between the two surfaces. It goes first as it takes no angle, which costs most.
   const bool smooth = (std::min(std::fabs(dot(d, ni)), std::fabs(dot(d, nj))) - sine * seed) / voxel <= 0.1;
+  if (!smooth) return true;
+  const double angle = angle_degrees(ni, nj);
   const bool convex = dot(ni - nj, d) >= 0 || angle < 10;
-  return !(sane && smooth && convex);
+  if (!convex) return true;
+  // Sanity: the line between the centroids must not run along the fold. A perfect plane has no fold.
+  if (sine < 1e-6 || norm(d) == 0) return false;
+  const double along = angle_degrees(x, d);
+  return std::min(along, 180 - along) < 60 / (1 + math::exp(-0.25 * (angle - 25)));
 }
 
 std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, const std::vector<Border>& borders,
@@ -57,14 +56,21 @@ BorderMetric::BorderMetric(const RegionGraph& graph, std::uint32_t min_points, c
     : options_(options), min_points_(min_points) {
   for (const Region& region : graph.regions) {
     area_.push_back(region.area);
+    size_evidence_.push_back(size_evidence(region.area));
     points_.push_back(region.points);
   }
 }
 
-double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence& evidence) const {
-  const double size = std::max(1.0, std::min({area_[a], area_[b], options_.size_limit}) / options_.size_area);
+double BorderMetric::size_evidence(double area) const {
+  const double size = std::max(1.0, std::min(area, options_.size_limit) / options_.size_area);
   constexpr double kLn2 = 0.69314718055994530942;
-  return evidence.weighted / evidence.pairs - options_.bias + options_.size_weight * math::ln(size) / kLn2;
+  return size > 1 ? options_.size_weight * math::ln(size) / kLn2 : 0;
+}
+
+double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const Evidence& evidence) const {
+  // Kept for each region: one logarithm a merge instead of one for each of the edges that it changes.
+  const double size = area_[a] < area_[b] ? size_evidence_[a] : size_evidence_[b];
+  return evidence.weighted / evidence.pairs - options_.bias + size;
 }
 
 double BorderMetric::weight(double dissimilarity) const {
@@ -73,6 +79,7 @@ double BorderMetric::weight(double dissimilarity) const {
 
 void BorderMetric::merge(std::uint32_t into, std::uint32_t from) {
   area_[into] += area_[from];
+  size_evidence_[into] = size_evidence(area_[into]);
   points_[into] += points_[from];
 }
 

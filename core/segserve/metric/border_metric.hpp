@@ -49,7 +49,10 @@ class BorderMetric {
   BorderOptions options_;
   std::uint32_t min_points_;
   std::vector<double> area_;
+  std::vector<double> size_evidence_;  // that its area adds to the dissimilarity to a larger region
   std::vector<std::uint32_t> points_;
+
+  double size_evidence(double area) const;
 };
 
 /// The evidence of every edge: cut_weight c + concavity_weight k + color_weight E. `voxel` and `seed`: the
