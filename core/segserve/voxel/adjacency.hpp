@@ -18,6 +18,14 @@ struct VoxelAdjacency {
   std::span<const std::uint32_t> of(std::uint32_t v) const {
     return std::span(neighbor).subspan(offset[v], offset[v + 1] - offset[v]);
   }
+
+  /// Those larger than v: every pair of neighbours once.
+  std::span<const std::uint32_t> after(std::uint32_t v) const {
+    const std::span<const std::uint32_t> all = of(v);
+    std::size_t first = all.size();
+    while (first > 0 && all[first - 1] > v) --first;
+    return all.subspan(first);
+  }
 };
 
 /// The 26-neighbourhood. O(V), without hashing: one pointer for each of the nine rows (dy, dz) moves over the sorted
