@@ -75,16 +75,16 @@ class EdgeIndex {
   std::array<Answer, 16> last_{};
 };
 
-/// Those of the voxels that are not of supervoxel s. Without branches, which would be mispredicted for a third of them.
-void find_foreign(std::span<const std::uint32_t> voxels, const Supervoxels& supervoxels, std::uint32_t s,
-                  std::vector<std::uint32_t>& foreign) {
-  foreign.resize(voxels.size());
+/// Writes those of the voxels that are not of supervoxel s, and returns their number. Without branches, which would be
+/// mispredicted for a third of them.
+std::size_t find_foreign(std::span<const std::uint32_t> voxels, const std::uint32_t* supervoxel, std::uint32_t s,
+                         std::uint32_t* foreign) {
   std::size_t count = 0;
   for (const std::uint32_t u : voxels) {
     foreign[count] = u;
-    count += static_cast<std::size_t>(supervoxels.of_voxel[u] != s);
+    count += static_cast<std::size_t>(supervoxel[u] != s);
   }
-  foreign.resize(count);
+  return count;
 }
 
 }  // namespace
@@ -97,17 +97,19 @@ std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& g
   std::vector<Border> borders(graph.edges.size());
   const Concavity concavity(dead_zone);
   std::vector<std::uint32_t> across;
-  const auto measure_from = [&](std::size_t i) {
-    const auto v = static_cast<std::uint32_t>(i);
-    const std::uint32_t s = supervoxels.of_voxel[v];
-    find_foreign(adjacency.after(v), supervoxels, s, across);
-    for (const std::uint32_t u : across) {
-      const std::uint32_t t = supervoxels.of_voxel[u];
+  const auto measure_from = [&, of_voxel = supervoxels.of_voxel.data(), centroid = grid.centroid.data(),
+                             normal = normals.data()](std::size_t v) {
+    const auto larger = adjacency.after(static_cast<std::uint32_t>(v));
+    if (across.size() < larger.size()) across.resize(larger.size());
+    const std::uint32_t s = of_voxel[v];
+    const std::size_t count = find_foreign(larger, of_voxel, s, across.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t u = across[i], t = of_voxel[u];
       Border& border = borders[edges.find(std::min(s, t), std::max(s, t))];
       border.voxel_pairs += 1;
-      border.concavity += concavity(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
+      border.concavity += concavity(centroid[v], normal[v], centroid[u], normal[u]);
     }
-    return 1 + adjacency.of(v).size();
+    return 1 + larger.size();
   };
   check.for_each(0, grid.size(), measure_from);
   check.for_each(0, borders.size(), [&](std::size_t e) { borders[e].concavity /= borders[e].voxel_pairs; });
