@@ -99,23 +99,37 @@ absl::Status remove_support_plane(double distance, const View& view, unsigned th
   return stop.check();
 }
 
-/// A value per supervoxel becomes one per point; 0 stays with points that are not segmented.
-template <typename ValueOfSupervoxel>
-std::vector<std::uint32_t> spread(const VoxelGrid& grid, const Supervoxels& supervoxels, unsigned threads,
-                                  const StopToken& stop, ValueOfSupervoxel&& value) {
-  std::vector<std::uint32_t> value_of_slot(grid.voxel_of_slot.size(), 0);
-  StopCheck(stop).for_each(1, value_of_slot.size(), [&](std::size_t slot) {
+/// What a point gets: its segment and its supervoxel, both 0 if it is not segmented.
+struct PointLabels {
+  std::uint32_t segment = 0, supervoxel = 0;
+};
+
+/// What the supervoxels have becomes the points'. Both at once: one table, one gather, one pass over the points.
+void spread(const VoxelGrid& grid, const Supervoxels& supervoxels, const Cut& cut, unsigned threads,
+            const StopToken& stop, std::vector<PointLabels>& of_slot, Segmentation& result) {
+  of_slot.assign(grid.voxel_of_slot.size(), PointLabels{});
+  StopCheck(stop).for_each(1, of_slot.size(), [&](std::size_t slot) {
     const std::uint32_t voxel = grid.voxel_of_slot[slot];
-    if (voxel != kNoVoxel) value_of_slot[slot] = value(supervoxels.of_voxel[voxel]);
+    if (voxel == kNoVoxel) return;
+    const std::uint32_t s = supervoxels.of_voxel[voxel];
+    of_slot[slot] = {cut.segment_of_leaf[s], s + 1};
   });
-  std::vector<std::uint32_t> result(grid.slot_of_point.size());
-  parallel_ranges(result.size(), threads, [&](std::size_t begin, std::size_t end) {
-    StopCheck(stop, threads)
-        .for_each(begin, end,
-                  [values = value_of_slot.data(), slot = grid.slot_of_point.data(),
-                   out = result.data()](std::size_t i) { out[i] = values[slot[i]]; });
+  const std::size_t points = grid.slot_of_point.size();
+  result.labels.resize(points);
+  result.supervoxels.resize(points);
+  parallel_ranges(points, threads, [&](std::size_t begin, std::size_t end) {
+    StopCheck(stop, threads).for_each_block(begin, end, [&](std::size_t first, std::size_t last) {
+      const std::uint32_t* slot = grid.slot_of_point.data();
+      const PointLabels* labels = of_slot.data();
+      std::uint32_t* segment = result.labels.data();
+      std::uint32_t* supervoxel = result.supervoxels.data();
+      for (std::size_t i = first; i < last; ++i) {
+        const PointLabels of_point = labels[slot[i]];
+        segment[i] = of_point.segment;
+        supervoxel[i] = of_point.supervoxel;
+      }
+    });
   });
-  return result;
 }
 
 }  // namespace
@@ -129,6 +143,7 @@ struct Segmenter::Workspace {
   Seeds seeds;
   GrowthScratch growth;
   Supervoxels supervoxels;
+  std::vector<PointLabels> labels;
 };
 
 Segmenter::Segmenter() : workspace_(std::make_unique<Workspace>()) {}
@@ -142,7 +157,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
-  auto& [scratch, grid, adjacency, normals, seeding, seeds, growth, supervoxels] = *workspace_;
+  auto& [scratch, grid, adjacency, normals, seeding, seeds, growth, supervoxels, labels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -194,9 +209,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   const absl::StatusOr<Cut> level = cut(result.tree, options, stop);
   if (!level.ok()) return level.status();
   result.segments = level->segments;
-  result.labels =
-      spread(grid, supervoxels, options.threads, stop, [&](std::uint32_t s) { return level->segment_of_leaf[s]; });
-  result.supervoxels = spread(grid, supervoxels, options.threads, stop, [](std::uint32_t s) { return s + 1; });
+  spread(grid, supervoxels, *level, options.threads, stop, labels, result);
   if (status = stop.check(); !status.ok()) return status;
   timings.labels = watch.lap();
 
