@@ -56,6 +56,7 @@ class Merger {
         check_(stop),
         links_(metric.region_count()),
         best_(metric.region_count(), Edge{}) {
+    reserve_links(edges);
     check_.for_each(0, edges.size(), [&](std::size_t e) {
       const auto [a, b] = edges[e];
       const Link link = this->link(a, b, evidence[e]);
@@ -63,7 +64,7 @@ class Merger {
       links_[b].push_back(link.back_to(a));
     });
     for (std::uint32_t r = 0; r < links_.size() && !check_.after(1 + links_[r].size()); ++r) {
-      std::ranges::sort(links_[r], {}, &Link::region);
+      if (!std::ranges::is_sorted(links_[r], {}, &Link::region)) std::ranges::sort(links_[r], {}, &Link::region);
       find_best(r);
     }
   }
@@ -88,6 +89,8 @@ class Merger {
   /// Below the threshold; then too small; then the rest.
   enum class Turn : std::uint8_t { kFirst, kTooSmall, kLast, kNever };
 
+  static constexpr std::size_t kSpareLinks = 4;
+
   struct Link {
     std::uint32_t region;
     bool below;  // its weight is below the threshold
@@ -102,6 +105,7 @@ class Merger {
     Turn turn = Turn::kNever;
     double dissimilarity = 0;
     std::uint32_t a = 0, b = 0;
+    bool operator==(const Edge&) const = default;
     bool operator<(const Edge& o) const {
       return std::tie(turn, dissimilarity, a, b) < std::tie(o.turn, o.dissimilarity, o.a, o.b);
     }
@@ -121,6 +125,13 @@ class Merger {
       turn = Turn::kTooSmall;
     }
     return {turn, link.dissimilarity, a, link.region};
+  }
+
+  /// One allocation a region instead of one for each doubling.
+  void reserve_links(std::span<const RegionEdge> edges) {
+    std::vector<std::uint32_t> count(links_.size(), 0);
+    check_.for_each(0, edges.size(), [&](std::size_t e) { ++count[edges[e].a], ++count[edges[e].b]; });
+    check_.for_each(0, count.size(), [&](std::size_t r) { links_[r].reserve(count[r] + kSpareLinks); });
   }
 
   double weight(const Edge& e) const {

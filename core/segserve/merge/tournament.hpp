@@ -7,8 +7,8 @@
 
 namespace segserve {
 
-/// The minimum of n values of which single ones change: a complete binary tree of winners, O(log n) a
-/// change. `worst` is a value that loses against all others.
+/// The minimum of n values of which single ones change: a complete binary tree of winners, at most O(log n) a
+/// change: it ends where the winner stays the same. `worst` is a value that loses against all others.
 template <typename Value>
 class Tournament {
  public:
@@ -24,7 +24,9 @@ class Tournament {
     for (node /= 2; node >= 1; node /= 2) {
       const Value& left = nodes_[2 * node];
       const Value& right = nodes_[2 * node + 1];
-      nodes_[node] = right < left ? right : left;
+      const Value& winner = right < left ? right : left;
+      if (winner == nodes_[node]) return;
+      nodes_[node] = winner;
     }
   }
 

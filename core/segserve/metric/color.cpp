@@ -77,9 +77,13 @@ double ciede2000(const Lab& p, const Lab& q) {
   const double sl = 1 + 0.015 * square(l - 50) / std::sqrt(20 + square(l - 50));
   const double sc = 1 + 0.045 * c;
   const double sh = 1 + 0.015 * c * t;
-  const double rotation = 30 * kDegree * math::exp(-square((h.mean / kDegree - 275) / 25));
+  const double whole = square(dl / sl) + square(dc / sc) + square(dh / sh);
+  // The rotation of blue hues: elsewhere it is lost in rounding, and so is its exponential spared.
+  const double from_blue = square((h.mean / kDegree - 275) / 25);
+  if (from_blue > 40) return std::sqrt(whole);
+  const double rotation = 30 * kDegree * math::exp(-from_blue);
   const double rt = -2 * chroma_seventh(c) * math::sin(2 * rotation);
-  return std::sqrt(square(dl / sl) + square(dc / sc) + square(dh / sh) + rt * (dc / sc) * (dh / sh));
+  return std::sqrt(whole + rt * (dc / sc) * (dh / sh));
 }
 
 }  // namespace segserve

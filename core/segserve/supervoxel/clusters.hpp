@@ -14,9 +14,16 @@ namespace segserve::growth {
 inline constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 inline constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
-/// What distances are measured on, scaled by the weights: position, colour, normal.
+/// What distances are measured on, scaled by the weights: position, colour, normal. In the order in which four of them
+/// are read at once.
 struct Feature {
-  float px, py, pz, cr, cg, cb, nx, ny, nz;
+  float px, py, pz, nx, cr, cg, cb, ny, nz;
+
+  static Feature of(const Vec3& position, const Vec3& color, const Vec3& normal) {
+    const auto f = [](double v) { return static_cast<float>(v); };
+    return {f(position.x), f(position.y), f(position.z), f(normal.x), f(color.x),
+            f(color.y),    f(color.z),    f(normal.y),   f(normal.z)};
+  }
 };
 
 /// What a turn measures of a voxel, side by side: one cache line, mostly. Its owner and its last turn are arrays of
@@ -36,11 +43,7 @@ struct FeatureSum {
   }
   Feature mean(std::size_t count) const {
     const double scale = 1 / static_cast<double>(count);
-    const Vec3 p = scale * position;
-    const Vec3 c = scale * color;
-    const Vec3 n = unit(normal);
-    const auto f = [](double v) { return static_cast<float>(v); };
-    return {f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)};
+    return Feature::of(scale * position, scale * color, unit(normal));
   }
 };
 

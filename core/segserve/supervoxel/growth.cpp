@@ -1,10 +1,11 @@
 #include "segserve/supervoxel/growth.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <limits>
 
 #include "segserve/supervoxel/clusters.hpp"
+#include "segserve/supervoxel/distances.hpp"
 
 namespace segserve {
 
@@ -25,6 +26,7 @@ GrowthScratch& GrowthScratch::operator=(GrowthScratch&&) noexcept = default;
 
 namespace {
 
+constexpr std::size_t kTogether = 128;  // candidates
 constexpr float kProvisional = std::numeric_limits<float>::max();  // any measured distance is nearer
 
 class Growth {
@@ -33,7 +35,7 @@ class Growth {
          const SupervoxelOptions& options, const StopToken& stop, GrowthScratch::Buffers& buffers)
       : adjacency_(adjacency),
         check_(stop),
-        normal_weight_(static_cast<float>(options.normal_weight)),
+        distance_(static_cast<float>(options.normal_weight)),
         voxels_(buffers.voxels),
         owner_(buffers.owner),
         seen_(buffers.seen),
@@ -49,9 +51,7 @@ class Growth {
     check_.for_each(0, grid.size(), [&](std::size_t v) {
       const Vec3 p = position_scale * grid.centroid[v];
       const Vec3 c = (options.color_weight / 255 / grid.points[v]) * grid.color_sum[v];
-      const Vec3& n = normals[v];
-      const auto f = [](double value) { return static_cast<float>(value); };
-      voxels_[v] = {{f(p.x), f(p.y), f(p.z), f(c.x), f(c.y), f(c.z), f(n.x), f(n.y), f(n.z)}, kUnreached};
+      voxels_[v] = {Feature::of(p, c, normals[v]), kUnreached};
     });
   }
 
@@ -71,7 +71,10 @@ class Growth {
   /// to an earlier one is taken by it and dies. That thins the seeds out well, so we do it on purpose.
   void first_round() {
     for (std::uint32_t c = 0; c < cluster_count_ && !check_.after(1); ++c) {
-      if (clusters_[c].count > 0) expand(c, [](const Feature&, const Feature&) { return kProvisional; });
+      if (clusters_[c].count == 0) continue;
+      expand(c, [](std::uint32_t, const std::uint32_t*, std::size_t count, float* out) {
+        std::fill_n(out, count, kProvisional);
+      });
     }
     move_centres();
   }
@@ -80,7 +83,9 @@ class Growth {
   bool round() {
     for (std::uint32_t c = 0; c < cluster_count_ && !check_.after(1); ++c) {
       if (clusters_[c].count > 0 && clusters_[c].changed) {
-        expand(c, [this](const Feature& centre, const Feature& voxel) { return distance(centre, voxel); });
+        expand(c, [this](std::uint32_t cluster, const std::uint32_t* of, std::size_t count, float* out) {
+          distance_.measure(clusters_[cluster].centre, voxels_.data(), of, count, out);
+        });
       }
     }
     return move_centres();
@@ -152,17 +157,9 @@ class Growth {
     return cluster_count_++;
   }
 
-  float distance(const Feature& a, const Feature& b) const {
-    const float px = a.px - b.px, py = a.py - b.py, pz = a.pz - b.pz;
-    const float cr = a.cr - b.cr, cg = a.cg - b.cg, cb = a.cb - b.cb;
-    const float cosine = a.nx * b.nx + a.ny * b.ny + a.nz * b.nz;
-    return std::sqrt(px * px + py * py + pz * pz) + std::sqrt(cr * cr + cg * cg + cb * cb) +
-           normal_weight_ * (1.0F - std::fabs(cosine));
-  }
-
   /// One turn of a cluster: its centre stays where it is, and what it takes now expands next time.
-  template <typename Distance>
-  void expand(std::uint32_t c, Distance&& measure) {
+  template <typename Measure>
+  void expand(std::uint32_t c, Measure&& measure) {
     ++turn_;
     std::size_t claims = find_claims(c, measure);
     if (clusters_[c].lost) claims = drop_claims_that_do_not_touch(claims);
@@ -178,29 +175,36 @@ class Growth {
 
   /// The candidates that are nearer to cluster c than to their owners become claims; the others stay candidates.
   /// Returns the number of claims. No branches: they would be mispredicted for every fourth candidate.
-  template <typename Distance>
-  std::size_t find_claims(std::uint32_t c, Distance&& measure) {
+  template <typename Measure>
+  std::size_t find_claims(std::uint32_t c, Measure&& measure) {
     std::vector<std::uint32_t>& candidates = clusters_[c].candidates;
     if (claims_.size() <= candidates.size()) claims_.resize(2 * candidates.size() + 1);
     std::size_t claims = 0, kept = 0;
-    const bool complete = check_.for_each_block(
-        0, candidates.size(),
-        [&, centre = clusters_[c].centre, candidate = candidates.data(), voxels = voxels_.data(), seen = seen_.data(),
-         claim = claims_.data(), turn = turn_](std::size_t begin, std::size_t end) {
-          std::size_t claimed = claims, left = kept;
-          for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t u = candidate[i];
-            const float d = measure(centre, voxels[u].feature);
-            const bool nearer = d < voxels[u].distance;
-            seen[u] = turn;
-            claim[claimed] = {u, c, d};
-            candidate[left] = u;
-            claimed += static_cast<std::size_t>(nearer);
-            left += static_cast<std::size_t>(!nearer);
-          }
-          claims = claimed, kept = left;
-        });
-    if (complete) candidates.resize(kept);
+    const auto find_some = [&](std::size_t begin, std::size_t end) {
+      std::array<float, kTogether> distance;
+      measure(c, candidates.data() + begin, end - begin, distance.data());
+      std::uint32_t* candidate = candidates.data();
+      std::uint32_t* seen = seen_.data();
+      Claim* claim = claims_.data();
+      std::size_t claimed = claims, left = kept;
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t u = candidate[i];
+        const float d = distance[i - begin];
+        const bool nearer = d < voxels_[u].distance;
+        seen[u] = turn_;
+        claim[claimed] = {u, c, d};
+        candidate[left] = u;
+        claimed += static_cast<std::size_t>(nearer);
+        left += static_cast<std::size_t>(!nearer);
+      }
+      claims = claimed, kept = left;
+    };
+    for (std::size_t begin = 0; begin < candidates.size(); begin += kTogether) {
+      const std::size_t end = std::min(begin + kTogether, candidates.size());
+      find_some(begin, end);
+      if (check_.after(end - begin)) return 0;
+    }
+    candidates.resize(kept);
     return claims;
   }
 
@@ -278,7 +282,7 @@ class Growth {
     for (const std::uint32_t u : neighbors) {
       const std::uint32_t c = owner_[u];
       if (c == kNobody) continue;
-      const float d = distance(clusters_[c].centre, voxels_[v].feature);
+      const float d = distance_(clusters_[c].centre, voxels_[v].feature);
       if (d < smallest || (d == smallest && c < nearest)) smallest = d, nearest = c;
     }
     if (nearest != kNobody) {
@@ -299,7 +303,7 @@ class Growth {
 
   const VoxelAdjacency& adjacency_;
   StopCheck check_;
-  float normal_weight_;
+  Distance distance_;
   std::vector<Voxel>& voxels_;
   std::vector<std::uint32_t>& owner_;  // a cluster
   std::vector<std::uint32_t>& seen_;   // the last turn that had the voxel among its candidates
