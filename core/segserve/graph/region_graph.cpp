@@ -43,9 +43,8 @@ void sum_up(const VoxelGrid& grid, const std::vector<Vec3>& normals, const Super
     region.normal_sum += normals[v];
     region.color_sum += grid.color_sum[v];
   });
-  check.for_each(0, regions.size(), [&](std::size_t r) {
-    regions[r].centroid = (1 / regions[r].voxels) * regions[r].centroid;
-  });
+  check.for_each(0, regions.size(),
+                 [&](std::size_t r) { regions[r].centroid = (1 / regions[r].voxels) * regions[r].centroid; });
   check.for_each(0, grid.size(), [&](std::size_t v) {
     Region& region = regions[supervoxels.of_voxel[v]];
     region.scatter += outer(grid.centroid[v] - region.centroid);

@@ -21,8 +21,8 @@ namespace segserve {
 ///
 /// `Evidence` is what a metric keeps of an edge; where two edges become one, theirs is added up.
 /// `dissimilarity` decides the order of the merges, and must give the same bits for (a, b) and (b, a);
-/// `weight` maps it to [0, 1], where it may saturate; it grows with it, up to rounding. `too_small` tells regions that cannot stay on their own;
-/// merging never makes a region too small.
+/// `weight` maps it to [0, 1], where it may saturate; it grows with it, up to rounding. `too_small` tells regions that
+/// cannot stay on their own; merging never makes a region too small.
 template <typename T>
 concept Metric = requires(T metric, const T& constant, typename T::Evidence evidence, std::uint32_t r, double d) {
   { constant.region_count() } -> std::convertible_to<std::size_t>;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "segserve/supervoxel/clusters.hpp"
+#include "segserve/supervoxel/state.hpp"
 
 namespace segserve::growth {
 

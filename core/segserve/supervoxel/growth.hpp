@@ -20,19 +20,19 @@ struct Supervoxels {
   std::uint32_t count = 0;              ///< m
 };
 
+namespace growth {
+struct State;
+}
+
 /// Buffers of `grow_supervoxels` that are worth keeping between calls.
 class GrowthScratch {
  public:
   GrowthScratch();
   ~GrowthScratch();
-  GrowthScratch(GrowthScratch&&) noexcept;
-  GrowthScratch& operator=(GrowthScratch&&) noexcept;
-
-  struct Buffers;
-  Buffers& buffers() { return *buffers_; }
+  growth::State& state() { return *state_; }
 
  private:
-  std::unique_ptr<Buffers> buffers_;
+  std::unique_ptr<growth::State> state_;
 };
 
 /// Grows supervoxels from the seeds (VCCS, Papon et al. 2013): in rounds, each takes the neighbouring

@@ -15,8 +15,8 @@ struct CellIndex {
   std::int32_t x, y, z;
 };
 
-/// The cells of a cubic grid between two corners as keys that sort by z, then y, then x, with as few bits as these take:
-/// a third of the passes of sorting 21 bits a coordinate.
+/// The cells of a cubic grid between two corners as keys that sort by z, then y, then x, with as few bits as these
+/// take: a third of the passes of sorting 21 bits a coordinate.
 class CellKeys {
  public:
   CellKeys() = default;
@@ -34,9 +34,7 @@ class CellKeys {
     };
     return {low_.x + part(0, x_bits_), low_.y + part(x_bits_, y_bits_), low_.z + part(x_bits_ + y_bits_, 31)};
   }
-  bool has_row(const CellIndex& c) const {
-    return c.y >= low_.y && c.y <= high_.y && c.z >= low_.z && c.z <= high_.z;
-  }
+  bool has_row(const CellIndex& c) const { return c.y >= low_.y && c.y <= high_.y && c.z >= low_.z && c.z <= high_.z; }
   std::int32_t clamp_x(std::int32_t x) const { return std::clamp(x, low_.x, high_.x); }
 
  private:

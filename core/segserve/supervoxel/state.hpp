@@ -7,7 +7,7 @@
 
 #include "segserve/math/vec3.hpp"
 
-// What growth keeps of voxels and clusters: of growth.cpp alone.
+// What growth keeps of voxels and clusters: of this folder alone.
 
 namespace segserve::growth {
 
@@ -74,6 +74,32 @@ struct Cluster {
 struct Claim {
   std::uint32_t voxel, cluster;
   float distance;
+};
+
+/// Kept between calls for its memory.
+struct State {
+  std::vector<Voxel> voxels;         // V
+  std::vector<std::uint32_t> owner;  // V: a cluster, or kNobody
+  std::vector<std::uint32_t> seen;   // V: the last turn that had the voxel among its candidates
+  std::uint32_t turn = 0;
+  std::uint32_t cluster_count = 0;
+  std::vector<Cluster> clusters;     // more than there are, so that their candidates keep their memory
+  std::vector<Claim> claims;         // of a turn, or of a layer
+  std::vector<std::uint32_t> fresh;  // candidates that a turn adds
+  std::vector<std::uint32_t> rest;   // voxels that the rounds did not reach
+  std::vector<std::uint32_t> number;
+
+  void clear(std::size_t size) {
+    voxels.resize(size);
+    owner.assign(size, kNobody);
+    seen.assign(size, 0);
+    turn = cluster_count = 0;
+  }
+  std::uint32_t new_cluster() {
+    if (cluster_count == clusters.size()) clusters.emplace_back();
+    clusters[cluster_count].clear();
+    return cluster_count++;
+  }
 };
 
 }  // namespace segserve::growth
