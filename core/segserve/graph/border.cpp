@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <span>
 
 #include "segserve/math/elementary.hpp"
@@ -14,27 +13,22 @@ namespace {
 class Concavity {
  public:
   explicit Concavity(double dead_zone) : dead_zone_(dead_zone) {
-    const double tangent = math::sin(dead_zone * math::kDegree) / math::cos(dead_zone * math::kDegree);
-    if (dead_zone < 90) flat_ = kClear * tangent * tangent;
+    if (dead_zone > 0 && dead_zone < 180) flat_ = math::cos(dead_zone * math::kDegree) + kClear;
   }
 
-  /// Angle of the normals beyond the dead zone in degrees where the pair is concave, else 0.
+  /// Angle of the unit normals beyond the dead zone in degrees where the pair is concave, else 0.
   double operator()(const Vec3& xa, const Vec3& na, const Vec3& xb, const Vec3& nb) const {
-    const Vec3 across = cross(na, nb);
-    const double sine2 = dot(across, across), cosine = dot(na, nb);
-    const bool convex = dot(na - nb, xa - xb) >= 0;
-    // By its tangent: spares four of five arctangents. One question, as each is mispredicted for every other pair.
-    const bool flat = (cosine > 0) & (sine2 < flat_ * (cosine * cosine));
-    if (convex | flat) return 0;
-    if (na == Vec3{} || nb == Vec3{}) return 0;
-    return std::max(0.0, math::atan2(std::sqrt(sine2), cosine) / math::kDegree - dead_zone_);
+    const double cosine = dot(na, nb);
+    if (cosine > flat_) return 0;  // within the dead zone: nine of ten pairs, without looking at anything else
+    if (dot(na - nb, xa - xb) >= 0 || na == Vec3{} || nb == Vec3{}) return 0;
+    return std::max(0.0, math::atan2(norm(cross(na, nb)), cosine) / math::kDegree - dead_zone_);
   }
 
  private:
-  static constexpr double kClear = 1 - 1e-9;  // far beyond rounding errors
+  static constexpr double kClear = 1e-9;  // far beyond rounding errors
 
   double dead_zone_;
-  double flat_ = 0;  // the square of the tangent
+  double flat_ = 2;  // a larger cosine of the normals: surely within the dead zone
 };
 
 /// Finds the edges of a graph by their regions.
@@ -107,7 +101,8 @@ std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& g
       const std::uint32_t u = across[i], t = of_voxel[u];
       Border& border = borders[edges.find(std::min(s, t), std::max(s, t))];
       border.voxel_pairs += 1;
-      border.concavity += concavity(centroid[v], normal[v], centroid[u], normal[u]);
+      const double angle = concavity(centroid[v], normal[v], centroid[u], normal[u]);
+      if (angle > 0) border.concavity += angle;
     }
     return 1 + larger.size();
   };

@@ -14,19 +14,25 @@ double angle_degrees(const Vec3& a, const Vec3& b) { return math::atan2(norm(cro
 }  // namespace
 
 bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, double voxel, double seed) {
+  constexpr double kCosine10 = 0.98480775301220806, kCosine1_5 = 0.99965732497555727;  // of degrees
+  constexpr double kClear = 1e-9;                                                      // far beyond rounding errors
   const Vec3 d = xi - xj;
   const Vec3 x = cross(ni, nj);
   const double sine = norm(x);
-  // Smoothness: no step between the two surfaces. It goes first as it takes no angle, which costs most.
+  // Smoothness: no step between the two surfaces.
   const bool smooth = (std::min(std::fabs(dot(d, ni)), std::fabs(dot(d, nj))) - sine * seed) / voxel <= 0.1;
   if (!smooth) return true;
-  const double angle = angle_degrees(ni, nj);
-  const bool convex = dot(ni - nj, d) >= 0 || angle < 10;
+  const bool flat = dot(ni, nj) > kCosine10 + kClear;
+  const bool convex = dot(ni - nj, d) >= 0 || flat || angle_degrees(ni, nj) < 10;
   if (!convex) return true;
   // Sanity: the line between the centroids must not run along the fold. A perfect plane has no fold.
-  if (sine < 1e-6 || norm(d) == 0) return false;
+  const double length = norm(d);
+  if (sine < 1e-6 || length == 0) return false;
+  // The limit is below 60 degrees, and below 1.5 where the angle is below 10: spares most arctangents.
+  const double along_cosine = std::fabs(dot(x, d));
+  if (along_cosine < ((flat ? kCosine1_5 : 0.5) - kClear) * (sine * length)) return false;
   const double along = angle_degrees(x, d);
-  return std::min(along, 180 - along) < 60 / (1 + math::exp(-0.25 * (angle - 25)));
+  return std::min(along, 180 - along) < 60 / (1 + math::exp(-0.25 * (angle_degrees(ni, nj) - 25)));
 }
 
 std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, const std::vector<Border>& borders,
