@@ -96,10 +96,12 @@ class SeedCells {
   }
 
   /// Whether more than `limit` voxels have their centroids within `radius` (at most the resolution) of that of `v`,
-  /// itself included. Counts no further than it must: a tenth of the visits.
-  bool more_within(std::uint32_t v, double radius, double limit) const {
-    const Vec3& middle = grid_.centroid[v];
+  /// which is one of cell c, itself included. Mostly the cell alone has enough, which spares the search for others.
+  bool more_within(std::size_t c, std::uint32_t v, double radius, double limit) const {
     double count = 0;
+    if (exceeds(c, v, radius, limit, count)) return true;
+    count = 0;
+    const Vec3& middle = grid_.centroid[v];
     for (double dz : {-radius, radius}) {
       for (double dy : {-radius, radius}) {
         if (skip_repeated(middle, radius, dy, dz)) continue;
@@ -107,13 +109,9 @@ class SeedCells {
         if (!keys_.has_row(row)) continue;
         const std::uint64_t first = keys_.key({keys_.clamp_x(row.x), row.y, row.z});
         const std::uint64_t last = keys_.key({keys_.clamp_x(axis(middle.x + radius)), row.y, row.z});
-        for (auto c = static_cast<std::size_t>(std::ranges::lower_bound(cells_, first) - cells_.begin());
-             c < cells_.size() && cells_[c] <= last; ++c) {
-          for (const std::uint32_t u : voxels(c)) {
-            const Vec3 d = grid_.centroid[u] - middle;
-            if (dot(d, d) <= radius * radius && ++count > limit) return true;
-            if (check_.after(1)) return false;
-          }
+        for (auto o = static_cast<std::size_t>(std::ranges::lower_bound(cells_, first) - cells_.begin());
+             o < cells_.size() && cells_[o] <= last; ++o) {
+          if (exceeds(o, v, radius, limit, count)) return true;
         }
       }
     }
@@ -121,6 +119,15 @@ class SeedCells {
   }
 
  private:
+  /// Adds the voxels of cell c that are within the radius of v to the count, until it exceeds the limit.
+  bool exceeds(std::size_t c, std::uint32_t v, double radius, double limit, double& count) const {
+    for (const std::uint32_t u : voxels(c)) {
+      const Vec3 d = grid_.centroid[u] - grid_.centroid[v];
+      if (check_.after(1)) return false;
+      if (dot(d, d) <= radius * radius && ++count > limit) return true;
+    }
+    return false;
+  }
   void find_keys() {
     constexpr std::int32_t kLargest = std::numeric_limits<std::int32_t>::max();
     CellIndex low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
@@ -162,7 +169,7 @@ void select_seeds(const VoxelGrid& grid, const View& view, double voxel_resoluti
     const std::uint32_t seed = cells.nearest_to_centre(c);
     const double voxel = voxel_edge(voxel_resolution, view, grid.centroid[seed]);
     const double disc = math::kPi * radius * radius / (voxel * voxel);
-    (cells.more_within(seed, radius, 0.05 * disc) ? seeds.chosen : seeds.sparse).push_back(seed);
+    (cells.more_within(c, seed, radius, 0.05 * disc) ? seeds.chosen : seeds.sparse).push_back(seed);
   }
 }
 
