@@ -12,7 +12,7 @@ constexpr double kLn2Low = 1.90821492927058770002e-10;
 constexpr double kHalfPiHigh = 1.57079632673412561417e+00;  // likewise of pi / 2
 constexpr double kHalfPiLow = 6.07710050650619224932e-11;
 
-std::int64_t round_to_int(double x) { return static_cast<std::int64_t>(x < 0 ? x - 0.5 : x + 0.5); }
+std::int64_t round_to_int(double x) { return static_cast<std::int64_t>(x + std::copysign(0.5, x)); }
 
 template <std::size_t N>
 double horner(const std::array<double, N>& coefficients, double x) {
@@ -56,14 +56,15 @@ Quadrant reduce(double x) {
   return {static_cast<int>(n & 3), (x - d * kHalfPiHigh) - d * kHalfPiLow};
 }
 
-double sin_series(double r) {
-  static constexpr auto kSeries = reciprocal_factorials<10>(1, 2, -1.0);
-  return r * horner(kSeries, r * r);
-}
-
-double cos_series(double r) {
-  static constexpr auto kSeries = reciprocal_factorials<10>(0, 2, -1.0);
-  return horner(kSeries, r * r);
+/// Sine of r plus `quarters` times pi / 2, for r in [-pi/4, pi/4]. Which series, and which sign, is looked up: branches
+/// would be mispredicted for every other angle.
+double sin_quarters(int quarters, double r) {
+  static constexpr std::array kSeries = {reciprocal_factorials<10>(1, 2, -1.0),   // sine
+                                         reciprocal_factorials<10>(0, 2, -1.0)};  // cosine
+  static constexpr std::array kSign = {1.0, -1.0};
+  const auto odd = static_cast<std::size_t>(quarters & 1);
+  const std::array factor = {r, 1.0};
+  return kSign[static_cast<std::size_t>(quarters >> 1 & 1)] * (factor[odd] * horner(kSeries[odd], r * r));
 }
 
 /// arctan on [0, 1]: halved once (tan(t/2) = t / (1 + sqrt(1 + t^2))) so that the series is short.
@@ -107,21 +108,21 @@ double cbrt(double x) {
 
 double sin(double x) {
   const auto [index, r] = reduce(x);
-  const double value = (index & 1) != 0 ? cos_series(r) : sin_series(r);
-  return (index & 2) != 0 ? -value : value;
+  return sin_quarters(index, r);
 }
 
 double cos(double x) {
   const auto [index, r] = reduce(x);
-  const double value = (index & 1) != 0 ? sin_series(r) : cos_series(r);
-  return index == 1 || index == 2 ? -value : value;
+  return sin_quarters(index + 1, r);
 }
 
 double atan2(double y, double x) {
   const double ax = x < 0 ? -x : x;
   const double ay = y < 0 ? -y : y;
   if (ax == 0 && ay == 0) return 0;
-  double angle = ay <= ax ? atan_unit(ay / ax) : kPi / 2 - atan_unit(ax / ay);
+  const bool steep = ay > ax;
+  const double unsteep = atan_unit((steep ? ax : ay) / (steep ? ay : ax));
+  double angle = steep ? kPi / 2 - unsteep : unsteep;
   if (x < 0) angle = kPi - angle;
   return y < 0 ? -angle : angle;
 }

@@ -147,10 +147,9 @@ class Merger {
     links_[q] = {};
     best_.set(q, Edge{});
     check_.after(2 * links_[p].size());
-    for (Link& to : links_[p]) {
-      to = link(p, to.region, to.evidence);
-      replace_links(to, p, q);
-    }
+    // In two loops, so that the CPU computes several at once.
+    for (Link& to : links_[p]) to = link(p, to.region, to.evidence);
+    for (const Link& to : links_[p]) replace_links(to, p, q);
     find_best(p);
   }
 
