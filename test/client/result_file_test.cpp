@@ -63,7 +63,7 @@ TEST(ResultFile, BeginsWithTheDocumentedLine) {
   const std::size_t end = bytes.find('\n');
   ASSERT_NE(end, std::string::npos);
   const std::string size = std::to_string(bytes.size() - end - 1);
-  EXPECT_THAT(bytes.substr(0, end), testing::MatchesRegex("segserve-result 1 " + size + " [0-9a-f]{8}"));
+  EXPECT_THAT(bytes.substr(0, end), testing::MatchesRegex("segserve-result 2 " + size + " [0-9a-f]{8}"));
 }
 
 TEST(ResultFile, RefusesForeignFiles) {
@@ -75,8 +75,8 @@ TEST(ResultFile, RefusesForeignFiles) {
 
 TEST(ResultFile, RefusesOtherVersions) {
   std::string bytes = saved();
-  bytes.replace(bytes.find(" 1 "), 3, " 2 ");
-  EXPECT_THAT(refusal(bytes), HasSubstr("version '2'"));
+  bytes.replace(bytes.find(" 2 "), 3, " 1 ");
+  EXPECT_THAT(refusal(bytes), HasSubstr("version '1'"));
 }
 
 TEST(ResultFile, RefusesEveryTruncation) {
@@ -96,12 +96,12 @@ TEST(ResultFile, RefusesEveryFlippedByte) {
 }
 
 TEST(ResultFile, RefusesHeadersThatLie) {
-  refusal("segserve-result 1 99999999999999999999999999 00000000\nabc");
-  refusal("segserve-result 1 -1 00000000\nabc");
-  refusal("segserve-result 1 3 zz\nabc");
-  refusal("segserve-result 1 3\nabc");
-  refusal("segserve-result 1 0 00000000 more\n");
-  EXPECT_THAT(refusal("segserve-result 1 0 00000000\n"), HasSubstr("damaged"));  // well formed, but no result inside
+  refusal("segserve-result 2 99999999999999999999999999 00000000\nabc");
+  refusal("segserve-result 2 -1 00000000\nabc");
+  refusal("segserve-result 2 3 zz\nabc");
+  refusal("segserve-result 2 3\nabc");
+  refusal("segserve-result 2 0 00000000 more\n");
+  EXPECT_THAT(refusal("segserve-result 2 0 00000000\n"), HasSubstr("damaged"));  // well formed, but no result inside
 }
 
 }  // namespace

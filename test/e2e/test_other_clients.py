@@ -1,4 +1,5 @@
-"""Clients in other languages, made from the .proto files alone, get the same labels as segctl."""
+"""Clients in other languages, made from the .proto files alone, get the same labels as segctl, and
+cut the merge tree themselves as segctl does."""
 import os
 import pathlib
 import shutil
@@ -11,6 +12,7 @@ import pcd
 
 HERE = pathlib.Path(__file__).resolve().parent
 PROTO = HERE.parent.parent / "proto"
+CUTS = ("regions-7", "regions-1", "threshold-0.2", "threshold-1")
 GRPC_JS = {"@grpc/grpc-js": "1.14.0", "@grpc/proto-loader": "0.8.0"}
 
 
@@ -40,8 +42,14 @@ class OtherClients(EndToEnd):
             scene = cls.folder / f"scene-{seed}.pcd"
             cls().run_well("synth", "-o", scene, "--quiet", "--seed", seed, "--width", shape[0], "--height", shape[1])
             labels = cls.folder / f"labelled-{seed}.pcd"
-            cls().run_well("segment", scene, "--local", "-q", "-o", labels)
-            cls.expected[cls.write_planes(scene, seed, shape)] = pcd.read_labels(labels)
+            result = cls.folder / f"result-{seed}.segres"
+            cls().run_well("segment", scene, "--local", "-q", "-o", labels, "--result", result)
+            expected = {"labels": pcd.read_labels(labels)}
+            for cut in CUTS:
+                kind, value = cut.split("-")
+                cls().run_well("cut", result, f"--{kind}", value, "--cloud", scene, "-q", "-o", labels)
+                expected[cut] = pcd.read_labels(labels)
+            cls.expected[cls.write_planes(scene, seed, shape)] = expected
 
     @classmethod
     def write_planes(cls, scene, seed, shape):
@@ -58,11 +66,13 @@ class OtherClients(EndToEnd):
     def runTest(self):
         """Only so that setUpClass can use our methods."""
 
-    def check_labels(self):
+    def check(self, *names):
         for folder, expected in self.expected.items():
-            content = (folder / "labels.u32").read_bytes()
-            self.assertEqual(list(struct.unpack(f"<{len(content) // 4}I", content)), expected, folder.name)
-            (folder / "labels.u32").unlink()
+            for name in names:
+                file = folder / f"{name}.u32"
+                content = file.read_bytes()
+                self.assertEqual(list(struct.unpack(f"<{len(content) // 4}I", content)), expected[name], file)
+                file.unlink()
 
     def folders(self):
         """Each cloud several times, so that the credit is used up."""
@@ -76,10 +86,10 @@ class OtherClients(EndToEnd):
             *sorted(path.relative_to(PROTO) for path in PROTO.glob("google/rpc/*.proto")))
         # Debian's Python, whose grpc this is; the one that runs us may be another.
         run("/usr/bin/python3", HERE / "clients" / "stream_client.py", generated, self.server.address, *self.folders())
-        self.check_labels()
+        self.check("labels", *CUTS)
 
     @unittest.skipUnless(shutil.which("npm"), "there is no npm")
     def test_javascript(self):
         run("node", HERE / "clients" / "stream_client.js", PROTO, self.server.address, *self.folders(),
             env=os.environ | {"NODE_PATH": str(grpc_js())})
-        self.check_labels()
+        self.check("labels")

@@ -1,5 +1,6 @@
 #include "segserve/wire/block.hpp"
 
+#include <random>
 #include <string>
 
 #include "gmock/gmock.h"
@@ -52,6 +53,19 @@ TEST(Block, OfUnknownSizeIsBoundedByALimit) {
 
 TEST(Block, ZstdMakesRepetitionSmall) {
   EXPECT_LT(to_block(std::string(10'000, 'a'), v1alpha1::COMPRESSION_ZSTD)->data().size(), 100U);
+}
+
+TEST(Block, IsCompressedOnlyIfThatMakesItSmaller) {
+  std::mt19937 random(1);
+  std::string noise(10'000, '\0');
+  for (char& byte : noise) byte = static_cast<char>(random());
+  for (const std::string& bytes : {std::string(), std::string("abc"), noise}) {
+    const v1alpha1::Block block = to_block(bytes, v1alpha1::COMPRESSION_ZSTD).value();
+    EXPECT_EQ(block.compression(), v1alpha1::COMPRESSION_NONE);
+    EXPECT_EQ(block.data(), bytes);
+    EXPECT_EQ(block.encoded_bytes(), bytes.size());
+    EXPECT_EQ(block.decoded_bytes(), bytes.size());
+  }
 }
 
 TEST(Block, WithoutCompressionNeedNotSayItsSize) {

@@ -49,4 +49,17 @@ inline MergeTree small_tree() {
           .kind = {MergeKind::kMerged, MergeKind::kJoined}};
 }
 
+/// A chain of `leaves` supervoxels, of one point each, that compresses well.
+inline MergeTree chain_tree(std::uint32_t leaves) {
+  TreeColumns columns;
+  columns.leaf_points.assign(leaves, 1);
+  for (std::uint32_t row = 0; row + 1 < leaves; ++row) {
+    columns.left.push_back(row == 0 ? 0 : row + 1);
+    columns.right.push_back(row == 0 ? 1 : leaves + row - 1);
+    columns.weight.push_back(row < leaves / 2 ? 0.5 : 1);
+  }
+  columns.merged_rows = leaves / 2;
+  return complete(std::move(columns)).value();
+}
+
 }  // namespace segserve::wire

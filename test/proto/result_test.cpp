@@ -1,8 +1,12 @@
 #include "segserve/wire/result.hpp"
 
+#include <initializer_list>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "gmock/gmock.h"
+#include "segserve/wire/result_blocks.hpp"
 #include "segserve/wire/status.hpp"
 #include "test/proto/examples.hpp"
 
@@ -40,6 +44,8 @@ std::string refusal(const v1alpha1::SegmentationResult& message, std::size_t poi
   EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
   return std::string(status.message());
 }
+
+std::string message_bytes(std::initializer_list<char> bytes) { return bytes; }
 
 v1alpha1::SegmentationResult small_message() { return to_message(small_result(), kEverything).value(); }
 
@@ -98,6 +104,31 @@ TEST(WireResult, HoldsOnlyWhatWasAskedFor) {
   EXPECT_EQ(read->segmentation.tree, small_tree());
 }
 
+TEST(WireResult, ItsBytesTravelApartFromItInTheDocumentedOrder) {
+  v1alpha1::SegmentationResult message = small_message();
+  const std::vector<std::uint64_t> sizes = result_block_sizes(message);
+  EXPECT_THAT(sizes, testing::ElementsAre(6, 6, 3, 2, 2, 16));
+  std::vector<std::string> bytes;
+  for (std::string* block : result_blocks(message)) bytes.push_back(std::exchange(*block, {}));
+  EXPECT_EQ(bytes[0], message_bytes({1, 1, 1, 1, 2, 0}));
+  EXPECT_EQ(bytes[1], message_bytes({1, 1, 2, 2, 3, 0}));
+  EXPECT_EQ(bytes[2], message_bytes({2, 2, 1}));
+  EXPECT_EQ(bytes[3], message_bytes({0, 2}));
+  EXPECT_EQ(bytes[4], message_bytes({1, 3}));
+  EXPECT_LT(message.tree().ByteSizeLong(), 64U) << "nothing but sizes is left";
+  EXPECT_THAT(refusal(message), testing::HasSubstr("encoded bytes"));
+  for (std::size_t i = 0; i < bytes.size(); ++i) *result_blocks(message)[i] = bytes[i];
+  EXPECT_EQ(from_message(message, 6)->segmentation.tree, small_tree());
+}
+
+TEST(WireResult, ATreeWithoutColumnsIsRefused) {
+  v1alpha1::SegmentationResult message = small_message();
+  message.mutable_tree()->Clear();
+  EXPECT_THAT(result_block_sizes(message), testing::ElementsAre(6, 6, 0, 0, 0, 0));
+  EXPECT_EQ(result_blocks(message).size(), 6U);
+  EXPECT_THAT(refusal(message), testing::HasSubstr("tree.leaf_points"));
+}
+
 TEST(WireResult, MustBeOfTheCloudThatWasSent) { EXPECT_THAT(refusal(small_message(), 7), testing::HasSubstr("7")); }
 
 TEST(WireResult, MustAgreeWithItself) {
@@ -107,6 +138,10 @@ TEST(WireResult, MustAgreeWithItself) {
 
   message = small_message();
   message.mutable_summary()->set_supervoxels(4);  // but the tree has 3 leaves
+  refusal(message);
+
+  message = small_message();
+  message.mutable_summary()->set_segmented_points(4);  // but the tree has 5
   refusal(message);
 
   message = small_message();

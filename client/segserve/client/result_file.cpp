@@ -15,7 +15,7 @@ namespace segserve::client {
 namespace {
 
 constexpr std::string_view kMagic = "segserve-result ";
-constexpr std::string_view kVersion = "1";
+constexpr std::string_view kVersion = "2";
 constexpr std::size_t kMaxHeader = 64;
 /// protobuf reads no larger message.
 constexpr std::size_t kMaxPayload = std::numeric_limits<std::int32_t>::max();

@@ -10,10 +10,10 @@ namespace segserve::client {
 
 /// A result as a file, from which any cut can be made later without the server. One line of text,
 ///
-///     segserve-result 1 <payload bytes, decimal> <CRC-32 of the payload, 8 hexadecimal digits>\n
+///     segserve-result 2 <payload bytes, decimal> <CRC-32 of the payload, 8 hexadecimal digits>\n
 ///
 /// then the payload: a segserve.v1alpha1.SegmentResponse whose result has labels, supervoxels
-/// (zstd-compressed) and tree. To read it elsewhere, drop the first line and parse the rest.
+/// and tree (their blocks zstd-compressed where that is smaller). To read it elsewhere, drop the first line and parse the rest.
 absl::StatusOr<std::string> encode_result_file(const Result& result);
 
 /// The inverse, for untrusted bytes. INVALID_ARGUMENT with one line that says what is wrong: a

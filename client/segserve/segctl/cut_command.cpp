@@ -23,7 +23,7 @@ constexpr const char* kFooter = R"(Examples:
   segctl cut scene.segres --threshold 0.25
   segctl cut scene.segres --regions 8 --cloud scene.pcd -o labelled.ply --picture segments.png
 
-The saved result is one line of text, "segserve-result 1 BYTES CRC32", where BYTES is the size of
+The saved result is one line of text, "segserve-result 2 BYTES CRC32", where BYTES is the size of
 the rest and CRC32 its checksum in hexadecimal, and then a segserve.v1alpha1.SegmentResponse
 (protobuf) with labels, supervoxels and merge tree: to read it elsewhere, drop the first line.
 

@@ -32,8 +32,19 @@ struct MergeTree {
   bool operator==(const MergeTree&) const = default;
 };
 
-/// INVALID_ARGUMENT unless the arrays describe a tree as above: for trees that come from a file or
-/// from the network.
+/// What of a tree cannot be derived from the rest: what is sent of it.
+struct TreeColumns {
+  std::vector<std::uint32_t> leaf_points;  ///< these four as above
+  std::vector<std::uint32_t> left, right;
+  std::vector<double> weight;
+  std::size_t merged_rows = 0;  ///< the rows before this one are MERGED, the others JOINED
+};
+
+/// The tree of these columns, which may come from the network. INVALID_ARGUMENT unless they describe one: a tree that
+/// comes back has passed `check`.
+absl::StatusOr<MergeTree> complete(TreeColumns columns);
+
+/// INVALID_ARGUMENT unless the arrays describe a tree as above.
 absl::Status check(const MergeTree& tree);
 
 /// One level of the tree. Segments are numbered 1, 2, .. by descending number of input points, ties

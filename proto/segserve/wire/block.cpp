@@ -14,16 +14,15 @@ constexpr int kZstdLevel = 1;
 }  // namespace
 
 absl::StatusOr<v1alpha1::Block> to_block(std::string bytes, v1alpha1::Compression compression) {
+  if (compression != v1alpha1::COMPRESSION_ZSTD) return to_raw_block(std::move(bytes));
+  absl::StatusOr<std::string> compressed = codec::zstd_compress(bytes, kZstdLevel);
+  if (!compressed.ok()) return compressed.status();
+  if (compressed->size() >= bytes.size()) return to_raw_block(std::move(bytes));
   v1alpha1::Block block;
-  block.set_compression(compression);
+  block.set_compression(v1alpha1::COMPRESSION_ZSTD);
   block.set_decoded_bytes(bytes.size());
-  if (compression == v1alpha1::COMPRESSION_ZSTD) {
-    absl::StatusOr<std::string> compressed = codec::zstd_compress(bytes, kZstdLevel);
-    if (!compressed.ok()) return compressed.status();
-    bytes = *std::move(compressed);
-  }
-  block.set_encoded_bytes(bytes.size());
-  block.set_data(std::move(bytes));
+  block.set_encoded_bytes(compressed->size());
+  block.set_data(*std::move(compressed));
   return block;
 }
 

@@ -9,7 +9,8 @@
 
 namespace segserve::wire {
 
-/// Bytes as a message, both its sizes set. ZSTD at level 1 is what pays off on a link of 100 Mbit/s and below.
+/// Bytes as a message, both its sizes set; compressed only if that makes them smaller. ZSTD at level 1 is what pays off
+/// on a link of 100 Mbit/s and below.
 absl::StatusOr<v1alpha1::Block> to_block(std::string bytes, v1alpha1::Compression compression);
 
 /// The same without compression, which cannot fail.

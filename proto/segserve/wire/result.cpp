@@ -5,7 +5,7 @@
 
 #include "fmt/format.h"
 #include "segserve/wire/cloud.hpp"
-#include "segserve/wire/labels.hpp"
+#include "segserve/wire/integers.hpp"
 #include "segserve/wire/options.hpp"
 #include "segserve/wire/status.hpp"
 #include "segserve/wire/tree.hpp"
@@ -108,7 +108,7 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   return result;
 }
 
-absl::Status read_labels(const v1alpha1::LabelArray& message, std::size_t points, std::uint32_t maximum,
+absl::Status read_labels(const v1alpha1::IntegerArray& message, std::size_t points, std::uint32_t maximum,
                          std::string_view name, std::vector<std::uint32_t>& labels) {
   absl::StatusOr<std::vector<std::uint32_t>> read = from_message(message, points, maximum, name);
   if (!read.ok()) return read.status();
@@ -116,12 +116,9 @@ absl::Status read_labels(const v1alpha1::LabelArray& message, std::size_t points
   return absl::OkStatus();
 }
 
-absl::Status read_tree(const v1alpha1::MergeTree& message, std::uint32_t supervoxels, MergeTree& tree) {
-  absl::StatusOr<MergeTree> read = from_message(message);
+absl::Status read_tree(const v1alpha1::MergeTree& message, const Result& result, MergeTree& tree) {
+  absl::StatusOr<MergeTree> read = from_message(message, result.supervoxels, result.segmentation.segmented_points);
   if (!read.ok()) return read.status();
-  if (read->leaf_count() != supervoxels) {
-    return malformed(fmt::format("the tree has {} leaves for {} supervoxels", read->leaf_count(), supervoxels));
-  }
   tree = *std::move(read);
   return absl::OkStatus();
 }
@@ -146,17 +143,17 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
 absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
   v1alpha1::SegmentationResult message;
   fill_summary(result, *message.mutable_summary());
-  const auto put = [&outputs](const std::vector<std::uint32_t>& labels, v1alpha1::LabelArray* array) {
-    absl::StatusOr<v1alpha1::LabelArray> made = to_message(labels, outputs.compression);
+  const auto put = [&outputs](const auto& array, auto* field) {
+    auto made = to_message(array, outputs.compression);
     if (!made.ok()) return made.status();
-    *array = *std::move(made);
+    *field = *std::move(made);
     return absl::OkStatus();
   };
   absl::Status status;
   if (outputs.labels) status = put(result.segmentation.labels, message.mutable_labels());
   if (outputs.supervoxels && status.ok()) status = put(result.segmentation.supervoxels, message.mutable_supervoxels());
+  if (outputs.tree && status.ok()) status = put(result.segmentation.tree, message.mutable_tree());
   if (!status.ok()) return status;
-  if (outputs.tree) *message.mutable_tree() = to_message(result.segmentation.tree);
   return message;
 }
 
@@ -176,7 +173,7 @@ absl::StatusOr<Result> from_message(const v1alpha1::SegmentationResult& message,
   if (message.has_supervoxels() && status.ok()) {
     status = read_labels(message.supervoxels(), points, result->supervoxels, "supervoxels", segmentation.supervoxels);
   }
-  if (message.has_tree() && status.ok()) status = read_tree(message.tree(), result->supervoxels, segmentation.tree);
+  if (message.has_tree() && status.ok()) status = read_tree(message.tree(), *result, segmentation.tree);
   if (!status.ok()) return status;
   return result;
 }

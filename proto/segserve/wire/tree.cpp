@@ -1,61 +1,86 @@
 #include "segserve/wire/tree.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "fmt/format.h"
+#include "segserve/codec/scalar.hpp"
+#include "segserve/wire/block.hpp"
+#include "segserve/wire/integers.hpp"
 #include "segserve/wire/status.hpp"
 
 namespace segserve::wire {
 namespace {
 
-template <typename Values, typename Field>
-void copy(const Values& from, Field* to) {
-  to->Assign(from.begin(), from.end());
+absl::Status put(const std::vector<std::uint32_t>& values, v1alpha1::Compression compression,
+                 v1alpha1::IntegerArray* array) {
+  absl::StatusOr<v1alpha1::IntegerArray> made = to_message(values, compression);
+  if (!made.ok()) return made.status();
+  *array = *std::move(made);
+  return absl::OkStatus();
 }
 
-template <typename Field>
-auto to_vector(const Field& field) {
-  return std::vector<typename Field::value_type>(field.begin(), field.end());
+absl::Status put(const std::vector<double>& values, v1alpha1::Compression compression, v1alpha1::Block* block) {
+  std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+  absl::StatusOr<v1alpha1::Block> made = to_block(std::move(bytes), compression);
+  if (!made.ok()) return made.status();
+  *block = *std::move(made);
+  return absl::OkStatus();
+}
+
+absl::Status read(const v1alpha1::IntegerArray& message, std::uint64_t count, std::string_view name,
+                  std::vector<std::uint32_t>& values) {
+  constexpr std::uint32_t kAny = std::numeric_limits<std::uint32_t>::max();  // `complete` judges them row by row
+  absl::StatusOr<std::vector<std::uint32_t>> made = from_message(message, count, kAny, name);
+  if (!made.ok()) return made.status();
+  values = *std::move(made);
+  return absl::OkStatus();
+}
+
+absl::Status read(const v1alpha1::Block& message, std::uint64_t count, std::string_view name,
+                  std::vector<double>& values) {
+  std::string buffer;
+  const absl::StatusOr<std::string_view> bytes = block_bytes(message, count * sizeof(double), name, buffer);
+  if (!bytes.ok()) return bytes.status();
+  values.resize(count);
+  const auto* in = reinterpret_cast<const std::byte*>(bytes->data());
+  for (std::size_t i = 0; i < count; ++i) values[i] = codec::load<double>(in + i * sizeof(double));
+  return absl::OkStatus();
 }
 
 }  // namespace
 
-v1alpha1::MergeTree to_message(const MergeTree& tree) {
+absl::StatusOr<v1alpha1::MergeTree> to_message(const MergeTree& tree, v1alpha1::Compression compression) {
   v1alpha1::MergeTree message;
-  copy(tree.leaf_points, message.mutable_leaf_points());
-  copy(tree.left, message.mutable_left());
-  copy(tree.right, message.mutable_right());
-  copy(tree.weight, message.mutable_weight());
-  copy(tree.height, message.mutable_height());
-  copy(tree.leaves, message.mutable_leaves());
-  copy(tree.points, message.mutable_points());
-  message.mutable_kind()->Reserve(static_cast<int>(tree.kind.size()));
-  for (const MergeKind kind : tree.kind) {
-    message.add_kind(kind == MergeKind::kMerged ? v1alpha1::MERGE_KIND_MERGED : v1alpha1::MERGE_KIND_JOINED);
-  }
+  absl::Status status = put(tree.leaf_points, compression, message.mutable_leaf_points());
+  if (status.ok()) status = put(tree.left, compression, message.mutable_left());
+  if (status.ok()) status = put(tree.right, compression, message.mutable_right());
+  if (status.ok()) status = put(tree.weight, compression, message.mutable_weight());
+  if (!status.ok()) return status;
+  message.set_merged_rows(static_cast<std::uint32_t>(std::ranges::count(tree.kind, MergeKind::kMerged)));
   return message;
 }
 
-absl::StatusOr<MergeTree> from_message(const v1alpha1::MergeTree& message) {
-  MergeTree tree{.leaf_points = to_vector(message.leaf_points()),
-                 .left = to_vector(message.left()),
-                 .right = to_vector(message.right()),
-                 .weight = to_vector(message.weight()),
-                 .height = to_vector(message.height()),
-                 .leaves = to_vector(message.leaves()),
-                 .points = to_vector(message.points()),
-                 .kind = {}};
-  tree.kind.reserve(static_cast<std::size_t>(message.kind_size()));
-  for (const int kind : message.kind()) {
-    if (kind != v1alpha1::MERGE_KIND_MERGED && kind != v1alpha1::MERGE_KIND_JOINED) {
-      return with_reason(absl::InvalidArgumentError(fmt::format("tree.kind: {} is no kind of merge", kind)),
-                         v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
-    }
-    tree.kind.push_back(kind == v1alpha1::MERGE_KIND_MERGED ? MergeKind::kMerged : MergeKind::kJoined);
-  }
-  if (absl::Status status = check(tree); !status.ok()) {
-    return with_reason(std::move(status), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
-  }
+absl::StatusOr<MergeTree> from_message(const v1alpha1::MergeTree& message, std::uint32_t supervoxels,
+                                       std::uint64_t points) {
+  const std::uint64_t rows = supervoxels == 0 ? 0 : supervoxels - 1;
+  TreeColumns columns;
+  columns.merged_rows = message.merged_rows();
+  absl::Status status = read(message.leaf_points(), supervoxels, "tree.leaf_points", columns.leaf_points);
+  if (status.ok()) status = read(message.left(), rows, "tree.left", columns.left);
+  if (status.ok()) status = read(message.right(), rows, "tree.right", columns.right);
+  if (status.ok()) status = read(message.weight(), rows, "tree.weight", columns.weight);
+  if (!status.ok()) return status;
+  const std::uint64_t sum =
+      std::accumulate(columns.leaf_points.begin(), columns.leaf_points.end(), std::uint64_t{0});
+  if (sum != points) return malformed(fmt::format("tree.leaf_points: {} points of {}", sum, points));
+  absl::StatusOr<MergeTree> tree = complete(std::move(columns));
+  if (!tree.ok()) return malformed(std::string(tree.status().message()));
   return tree;
 }
 

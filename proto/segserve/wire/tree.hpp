@@ -1,14 +1,18 @@
 #pragma once
 
+#include <cstdint>
+
 #include "absl/status/statusor.h"
 #include "segserve/tree/merge_tree.hpp"
 #include "segserve/v1alpha1/result.pb.h"
 
 namespace segserve::wire {
 
-v1alpha1::MergeTree to_message(const MergeTree& tree);
+absl::StatusOr<v1alpha1::MergeTree> to_message(const MergeTree& tree, v1alpha1::Compression compression);
 
-/// MALFORMED_PAYLOAD unless the columns describe a tree (core's `check`).
-absl::StatusOr<MergeTree> from_message(const v1alpha1::MergeTree& message);
+/// The tree of exactly `supervoxels` leaves, which together have `points` points; the caller has checked both against
+/// its limits. MALFORMED_PAYLOAD if the message holds anything else.
+absl::StatusOr<MergeTree> from_message(const v1alpha1::MergeTree& message, std::uint32_t supervoxels,
+                                       std::uint64_t points);
 
 }  // namespace segserve::wire

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "segserve/tree/merge_tree.hpp"
+#include "test/core/tree/example.hpp"
 
 namespace segserve {
 namespace {
@@ -9,22 +10,8 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Five leaves; weights fall after the second row, so heights do not; the last row is JOINED.
-MergeTree example() {
-  MergeTree tree;
-  tree.leaf_points = {10, 20, 30, 30, 5};
-  tree.left = {0, 2, 5, 4};
-  tree.right = {1, 3, 6, 7};
-  tree.weight = {0.1, 0.4, 0.2, 1};
-  tree.height = {0.1, 0.4, 0.4, 1};
-  tree.leaves = {2, 2, 4, 5};
-  tree.points = {30, 60, 90, 95};
-  tree.kind = {MergeKind::kMerged, MergeKind::kMerged, MergeKind::kMerged, MergeKind::kJoined};
-  return tree;
-}
-
 TEST(Cut, ByThresholdAppliesTheLeadingRowsBelowIt) {
-  const MergeTree tree = example();
+  const MergeTree tree = example_tree();
   EXPECT_EQ(cut_at_threshold(tree, 0)->segments, 5U);
   EXPECT_EQ(cut_at_threshold(tree, 0.1)->segments, 5U);  // the paper stops at the first minimum >= t
   EXPECT_EQ(cut_at_threshold(tree, 0.11)->segments, 4U);
@@ -34,19 +21,19 @@ TEST(Cut, ByThresholdAppliesTheLeadingRowsBelowIt) {
 }
 
 TEST(Cut, ByRegionsGivesExactlySoMany) {
-  const MergeTree tree = example();
+  const MergeTree tree = example_tree();
   for (std::uint32_t d = 1; d <= 7; ++d) EXPECT_EQ(cut_to_regions(tree, d)->segments, std::min(d, 5U));
 }
 
 TEST(Cut, NumbersSegmentsBySizeThenBySmallestLeaf) {
-  const MergeTree tree = example();
+  const MergeTree tree = example_tree();
   EXPECT_THAT(cut_to_regions(tree, 5)->segment_of_leaf, ElementsAre(4, 3, 1, 2, 5));
   EXPECT_THAT(cut_to_regions(tree, 4)->segment_of_leaf, ElementsAre(1, 1, 2, 3, 4));
   EXPECT_THAT(cut_to_regions(tree, 2)->segment_of_leaf, ElementsAre(1, 1, 1, 1, 2));
 }
 
 TEST(Cut, LabelsPoints) {
-  const Cut cut = *cut_to_regions(example(), 3);
+  const Cut cut = *cut_to_regions(example_tree(), 3);
   EXPECT_THAT(*label_points(std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 0}, cut), ElementsAre(0, 2, 2, 1, 1, 3, 0));
   const auto wrong = label_points(std::vector<std::uint32_t>{1, 6}, cut);
   EXPECT_EQ(wrong.status().code(), absl::StatusCode::kInvalidArgument);
@@ -54,7 +41,7 @@ TEST(Cut, LabelsPoints) {
 }
 
 TEST(Cut, RefusesNonsense) {
-  const MergeTree tree = example();
+  const MergeTree tree = example_tree();
   for (const double threshold : {-1.0, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_EQ(cut_at_threshold(tree, threshold).status().code(), absl::StatusCode::kInvalidArgument) << threshold;
   }
@@ -64,27 +51,6 @@ TEST(Cut, RefusesNonsense) {
 TEST(Cut, OfAnEmptyTreeIsEmpty) {
   EXPECT_EQ(cut_at_threshold({}, 0.5)->segments, 0U);
   EXPECT_EQ(cut_to_regions({}, 3)->segments, 0U);
-}
-
-TEST(MergeTreeCheck, AcceptsATree) {
-  EXPECT_TRUE(check(example()).ok());
-  EXPECT_TRUE(check(MergeTree{}).ok());
-}
-
-TEST(MergeTreeCheck, NamesWhatIsWrong) {
-  const auto fault = [](auto&& change) {
-    MergeTree tree = example();
-    change(tree);
-    return std::string(check(tree).message());
-  };
-  EXPECT_THAT(fault([](MergeTree& t) { t.left.pop_back(); }), HasSubstr("5 leaves take 4 rows, not 3"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.height.pop_back(); }), HasSubstr("differ in length"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.right[1] = 7; }), HasSubstr("row 1"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.left[1] = 1; }), HasSubstr("merged twice"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.weight[0] = std::numeric_limits<double>::quiet_NaN(); }), HasSubstr("weight"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.height[2] = 0.2; }), HasSubstr("height"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.points[3] = 94; }), HasSubstr("sum"));
-  EXPECT_THAT(fault([](MergeTree& t) { t.kind[1] = MergeKind::kJoined; }), HasSubstr("MERGED row comes after"));
 }
 
 }  // namespace

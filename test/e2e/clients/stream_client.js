@@ -36,7 +36,7 @@ function readFrame(sequence, folder) {
 function widen(labels, bytes) {
   const wide = Buffer.alloc(4 * labels.count);
   for (let i = 0; i < labels.count; ++i) {
-    wide.writeUInt32LE(bytes.readUIntLE(i * labels.bytes_per_label, labels.bytes_per_label), 4 * i);
+    wide.writeUInt32LE(bytes.readUIntLE(i * labels.bytes_per_value, labels.bytes_per_value), 4 * i);
   }
   return wide;
 }

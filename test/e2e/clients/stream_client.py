@@ -3,9 +3,12 @@
     stream_client.py GENERATED ADDRESS FOLDER..
 
 GENERATED holds what protoc --python_out made of proto/. Each FOLDER is a cloud in the camera's view: x.f32, y.f32, z.f32
-and rgb.u8 (planar raw) and shape ("WIDTH HEIGHT"); its labels are written there, labels.u32. All clouds go through one
-stream, within the server's credit.
+and rgb.u8 (planar raw) and shape ("WIDTH HEIGHT"). Its labels are written there, labels.u32, and the cuts of its merge
+tree that are made here, regions-7.u32, threshold-0.2.u32 and so on. All clouds go through one stream, within the server's
+credit.
 """
+import bisect
+import itertools
 import pathlib
 import queue
 import struct
@@ -14,7 +17,7 @@ import zlib
 
 sys.path.insert(0, sys.argv[1])
 import grpc  # noqa: E402
-from segserve.v1alpha1 import block_pb2, cloud_pb2, stream_pb2  # noqa: E402
+from segserve.v1alpha1 import block_pb2, cloud_pb2, options_pb2, stream_pb2  # noqa: E402
 
 PLANES = ("x.f32", "y.f32", "z.f32", "rgb.u8")
 
@@ -37,16 +40,59 @@ def frame_messages(sequence, folder, chunk_bytes):
     return messages, len(payload)
 
 
+def integers(array, data):
+    """The values of an IntegerArray."""
+    return struct.unpack(f"<{array.count}{ {1: 'B', 2: 'H', 4: 'I'}[array.bytes_per_value] }", data)
+
+
 def read_result(responses, outcome):
-    """The labels that follow an outcome, 4 bytes each."""
+    """What follows an outcome: labels, supervoxels and the columns of the tree."""
     assert outcome.kind == stream_pb2.OUTCOME_KIND_RESULT, outcome
     payload = b""
     while len(payload) < outcome.encoded_bytes:
         payload += next(responses).chunk.data
     assert zlib.crc32(payload) == outcome.crc32, "the result was damaged"
-    labels = outcome.result.labels
-    kind = {1: "B", 2: "H", 4: "I"}[labels.bytes_per_label]
-    return struct.pack(f"<{labels.count}I", *struct.unpack(f"<{labels.count}{kind}", payload))
+
+    def take(block):
+        nonlocal payload
+        assert block.compression == block_pb2.COMPRESSION_NONE, "we did not accept any"
+        data, payload = payload[:block.encoded_bytes], payload[block.encoded_bytes:]
+        return data
+
+    tree = outcome.result.tree
+    arrays = (outcome.result.labels, outcome.result.supervoxels, tree.leaf_points, tree.left, tree.right)
+    labels, supervoxels, *columns = [integers(array, take(array.data)) for array in arrays]
+    weight = take(tree.weight)
+    return labels, supervoxels, *columns, struct.unpack(f"<{len(weight) // 8}d", weight)
+
+
+def cut(supervoxels, leaf_points, left, right, rows):
+    """The segment of every point after the first rows of the tree, numbered as result.proto says."""
+    points = list(leaf_points)
+    for a, b in zip(left, right):
+        points.append(points[a] + points[b])
+    root = list(range(len(leaf_points) + rows))
+    for row in reversed(range(rows)):
+        root[left[row]] = root[right[row]] = root[len(leaf_points) + row]
+    smallest = {}
+    for leaf in range(len(leaf_points)):
+        smallest.setdefault(root[leaf], leaf)
+    order = sorted(smallest, key=lambda node: (-points[node], smallest[node]))
+    number = {node: i for i, node in enumerate(order, start=1)}
+    return [number[root[supervoxel - 1]] if supervoxel > 0 else 0 for supervoxel in supervoxels]
+
+
+def write_result(folder, responses, outcome):
+    """The labels, and cuts of our own."""
+    labels, supervoxels, leaf_points, left, right, weight = read_result(responses, outcome)
+    height = list(itertools.accumulate(weight, max))
+    rows = {"regions-7": max(len(leaf_points) - 7, 0),
+            "regions-1": max(len(leaf_points) - 1, 0),
+            "threshold-0.2": min(outcome.result.tree.merged_rows, bisect.bisect_left(height, 0.2)),
+            "threshold-1": min(outcome.result.tree.merged_rows, bisect.bisect_left(height, 1))}
+    arrays = {name: cut(supervoxels, leaf_points, left, right, rows[name]) for name in rows} | {"labels": labels}
+    for name, values in arrays.items():
+        (folder / f"{name}.u32").write_bytes(struct.pack(f"<{len(values)}I", *values))
 
 
 def main():
@@ -57,7 +103,8 @@ def main():
                                      request_serializer=stream_pb2.SegmentStreamRequest.SerializeToString,
                                      response_deserializer=stream_pb2.SegmentStreamResponse.FromString)
         responses = call(iter(outgoing.get, None), timeout=100)
-        outgoing.put(stream_pb2.SegmentStreamRequest(open=stream_pb2.StreamOpen(client_name="python")))
+        outgoing.put(stream_pb2.SegmentStreamRequest(open=stream_pb2.StreamOpen(
+            client_name="python", outputs=options_pb2.Outputs(labels=True, supervoxels=True, tree=True))))
         opened = next(responses).opened
         frames, credit = opened.credit.frames, opened.credit.bytes
         on_their_way = {}
@@ -66,7 +113,7 @@ def main():
             nonlocal frames, credit
             outcome = next(responses).outcome
             folder, cost = on_their_way.pop(outcome.sequence)
-            (folder / "labels.u32").write_bytes(read_result(responses, outcome))
+            write_result(folder, responses, outcome)
             frames, credit = frames + 1, credit + cost
 
         for sequence, folder in enumerate(folders, start=1):

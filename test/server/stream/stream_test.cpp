@@ -4,6 +4,7 @@
 
 #include "gmock/gmock.h"
 #include "segserve/wire/result.hpp"
+#include "test/proto/examples.hpp"
 #include "test/server/running_server.hpp"
 #include "test/server/stream/session_harness.hpp"
 
@@ -109,6 +110,37 @@ TEST(Stream, CarriesCloudsBeyondTheUnaryLimitInBothDirections) {
   ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
   EXPECT_EQ(outcome->encoded_bytes(), 4U * kPoints);
   EXPECT_EQ(stream.finish(), absl::OkStatus());
+}
+
+TEST(Stream, CarriesTreesBeyondAChunk) {
+  constexpr std::uint32_t kPoints = 70'000;
+  const MergeTree tree = wire::chain_tree(kPoints);
+  RunningServer server(small_server(), fake_factory([&tree](const CloudView& cloud, const Options&, const StopToken&) {
+                         Segmentation result;
+                         result.finite_points = result.segmented_points = cloud.size();
+                         for (std::uint32_t i = 0; i < cloud.size(); ++i) result.supervoxels.push_back(1 + i);
+                         result.tree = tree;
+                         return absl::StatusOr<Segmentation>(result);
+                       }));
+  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+    StubStream stream(server);
+    v1alpha1::StreamOpen open;
+    *open.mutable_outputs() = wire::to_message(
+        wire::Outputs{.labels = false, .supervoxels = true, .tree = true, .compression = compression});
+    ASSERT_TRUE(stream.open(open));
+    ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
+    const auto outcome = stream.next();
+    ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
+    if (compression == v1alpha1::COMPRESSION_NONE) {
+      EXPECT_EQ(outcome->encoded_bytes(), (4 + 1) * kPoints + (4 + 4 + 8) * (kPoints - 1));
+    } else {
+      EXPECT_LT(outcome->encoded_bytes(), 21 * kPoints / 2);
+    }
+    const auto result = wire::from_message(outcome->result(), kPoints);
+    ASSERT_TRUE(result.ok()) << result.status();
+    EXPECT_EQ(result->segmentation.tree, tree);
+    EXPECT_EQ(stream.finish(), absl::OkStatus());
+  }
 }
 
 TEST(Stream, ManyStreamsAtOnceGetTheirOwnResults) {
