@@ -7,6 +7,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/status.hpp"
 #include "test/client/scenes.hpp"
 
@@ -212,6 +213,29 @@ TEST(StreamCore, ResultsThatCameEarlyDoNotShutOutTheOneTheyWaitFor) {
   EXPECT_EQ(bench.begun(), 1U);  // frame 1 again
   bench.end(4);
   EXPECT_EQ(bench.taken().size(), 3U);
+}
+
+TEST(StreamCore, CountsTheBytesOfAllMessagesOfAnOutcome) {
+  Bench bench;
+  bench.open();
+  for (const std::size_t chunk : {400U, 1200U}) {
+    const std::uint64_t number = bench.send();
+    bench.sent();
+    Response response = Bench::outcome(number, v1alpha1::OUTCOME_KIND_RESULT);
+    response.mutable_outcome()->set_encoded_bytes(1200);
+    response.mutable_outcome()->set_crc32(wire::crc32(0, std::string(1200, 'x')));
+    response.mutable_outcome()->mutable_result()->mutable_labels()->mutable_data()->set_encoded_bytes(1200);
+    std::uint64_t bytes = response.ByteSizeLong();
+    bench.answer(response);
+    for (std::size_t sent = 0; sent < 1200; sent += chunk) {
+      response.mutable_chunk()->set_sequence(number);
+      response.mutable_chunk()->set_data(std::string(chunk, 'x'));
+      bytes += response.ByteSizeLong();
+      bench.answer(response);
+    }
+    ASSERT_EQ(bench.taken().size(), 1U);
+    EXPECT_EQ(bench.last_.report.bytes_received, bytes);
+  }
 }
 
 TEST(StreamCore, HigherPriorityGoesFirst) {

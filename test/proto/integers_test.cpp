@@ -22,7 +22,8 @@ TEST(WireIntegers, RoundTripInTheSmallestWidth) {
 }
 
 TEST(WireIntegers, RefusesWhatDoesNotFit) {
-  const v1alpha1::IntegerArray good = to_message(std::vector<std::uint32_t>{1, 2, 3}, v1alpha1::COMPRESSION_NONE).value();
+  const v1alpha1::IntegerArray good =
+      to_message(std::vector<std::uint32_t>{1, 2, 3}, v1alpha1::COMPRESSION_NONE).value();
   const auto error_of = [](const v1alpha1::IntegerArray& message, std::uint64_t count, std::uint32_t maximum) {
     const absl::Status status = from_message(message, count, maximum, "ids").status();
     EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);

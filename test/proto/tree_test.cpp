@@ -42,7 +42,8 @@ TEST(WireTree, RoundTrips) {
     EXPECT_EQ(from_message(to_message(small_tree(), compression).value(), kLeaves, kPoints).value(), small_tree());
     EXPECT_EQ(from_message(to_message(MergeTree{}, compression).value(), 0, 0).value(), MergeTree{});
     for (const std::uint32_t leaves : {1U, 2U, 200U, 300U, 70'000U}) {
-      EXPECT_EQ(from_message(to_message(chain_tree(leaves), compression).value(), leaves, leaves).value(), chain_tree(leaves));
+      EXPECT_EQ(from_message(to_message(chain_tree(leaves), compression).value(), leaves, leaves).value(),
+                chain_tree(leaves));
     }
   }
 }
@@ -68,7 +69,9 @@ TEST(WireTree, CompressesTheColumnsThatGetSmaller) {
 }
 
 TEST(WireTree, RefusesColumnsOfAnotherLength) {
-  EXPECT_THAT(refusal([](auto& m) { *m.mutable_leaf_points() = array({2, 3}); }),
+  EXPECT_THAT(refusal([](auto& m) {
+                *m.mutable_leaf_points() = array({2, 3});
+              }),
               HasSubstr("tree.leaf_points: 2 values, but must have 3"));
   EXPECT_THAT(refusal([](auto& m) { *m.mutable_left() = array({0}); }), HasSubstr("tree.left: 1 values"));
   EXPECT_THAT(refusal([](auto& m) { *m.mutable_right() = array({1, 3, 4}); }), HasSubstr("tree.right: 3 values"));
@@ -107,7 +110,9 @@ TEST(WireTree, RefusesWhatIsNoTree) {
 }
 
 TEST(WireTree, MustHaveThePointsOfTheSummary) {
-  EXPECT_THAT(refusal([](auto& m) { *m.mutable_leaf_points() = array({2, 2, 2}); }),
+  EXPECT_THAT(refusal([](auto& m) {
+                *m.mutable_leaf_points() = array({2, 2, 2});
+              }),
               HasSubstr("tree.leaf_points: 6 points of 5"));
 }
 

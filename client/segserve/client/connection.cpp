@@ -12,8 +12,8 @@ namespace {
 
 using v1alpha1::SegmentStreamResponse;
 
-/// No answer that we could want has more bytes: 100 million points with two labels of 4 bytes each, all of them leaves of
-/// a tree with 20 bytes for each.
+/// No answer that we could want has more bytes: 100 million points with two labels of 4 bytes each, all of them leaves
+/// of a tree with 20 bytes for each.
 constexpr std::uint64_t kMaxAnswerBytes = 2'800'000'000;
 
 absl::Status broken(std::string message) {

@@ -118,7 +118,8 @@ class StreamCore {
     std::size_t address = 0;
     Time last_sign;
     std::optional<Time> probed_at = std::nullopt;
-    absl::Status broken = {};  ///< not OK: given up, only its end is to come
+    absl::Status broken = {};         ///< not OK: given up, only its end is to come
+    std::uint64_t outcome_bytes = 0;  ///< of the messages since the last FrameOutcome, which is among them
   };
 
   bool waits(const Frame& frame) const { return frame.state == State::kWaiting; }

@@ -224,7 +224,8 @@ bool StreamCore::on_message(ConnectionId id, v1alpha1::SegmentStreamResponse& me
   if (found == links_.end() || !found->second.broken.ok()) return false;
   Link& link = found->second;
   on_sign_of_life(id, now);
-  const std::uint64_t bytes = message.ByteSizeLong();
+  if (message.has_outcome()) link.outcome_bytes = 0;
+  link.outcome_bytes += message.ByteSizeLong();
   auto event = link.protocol.receive(message);
   if (!event.ok()) {
     break_link(id, link, Action::kBreak, event.status(), now);
@@ -244,9 +245,7 @@ bool StreamCore::on_message(ConnectionId id, v1alpha1::SegmentStreamResponse& me
       if (Frame* frame = find(event->sequence)) frame->raw.outcome.report.outcome_begun = now;
       return false;
     case Connection::Event::kOutcome:
-      if (Frame* frame = find(event->sequence)) {
-        frame->raw.outcome.report.bytes_received = bytes + event->outcome.encoded_bytes();
-      }
+      if (Frame* frame = find(event->sequence)) frame->raw.outcome.report.bytes_received = link.outcome_bytes;
       on_outcome(id, *event, now);
       return true;
   }

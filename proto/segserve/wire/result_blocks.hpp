@@ -10,7 +10,8 @@
 namespace segserve::wire {
 
 /// The data of the blocks that the result has, in the order in which a stream sends them (the order in which
-/// result.proto declares them: labels, supervoxels, leaf_points, left, right and weight of the tree). Valid while the message lives and keeps these fields.
+/// result.proto declares them: labels, supervoxels, leaf_points, left, right and weight of the tree). Valid while the
+/// message lives and keeps these fields.
 std::vector<std::string*> result_blocks(v1alpha1::SegmentationResult& message);
 
 /// Block.encoded_bytes of the same blocks, as claimed.

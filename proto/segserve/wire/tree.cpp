@@ -76,8 +76,7 @@ absl::StatusOr<MergeTree> from_message(const v1alpha1::MergeTree& message, std::
   if (status.ok()) status = read(message.right(), rows, "tree.right", columns.right);
   if (status.ok()) status = read(message.weight(), rows, "tree.weight", columns.weight);
   if (!status.ok()) return status;
-  const std::uint64_t sum =
-      std::accumulate(columns.leaf_points.begin(), columns.leaf_points.end(), std::uint64_t{0});
+  const std::uint64_t sum = std::accumulate(columns.leaf_points.begin(), columns.leaf_points.end(), std::uint64_t{0});
   if (sum != points) return malformed(fmt::format("tree.leaf_points: {} points of {}", sum, points));
   absl::StatusOr<MergeTree> tree = complete(std::move(columns));
   if (!tree.ok()) return malformed(std::string(tree.status().message()));

@@ -42,11 +42,8 @@ TEST(MergeTreeCheck, NamesWhatIsWrong) {
 /// What is sent of the example.
 TreeColumns example_columns() {
   const MergeTree tree = example_tree();
-  return {.leaf_points = tree.leaf_points,
-          .left = tree.left,
-          .right = tree.right,
-          .weight = tree.weight,
-          .merged_rows = 3};
+  return {
+      .leaf_points = tree.leaf_points, .left = tree.left, .right = tree.right, .weight = tree.weight, .merged_rows = 3};
 }
 
 TEST(MergeTreeComplete, DerivesTheOtherColumns) {
@@ -70,7 +67,8 @@ TEST(MergeTreeComplete, NamesWhatIsWrong) {
   EXPECT_THAT(fault([](TreeColumns& c) { c.right.pop_back(); }), HasSubstr("differ in length"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.weight.push_back(1); }), HasSubstr("differ in length"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.merged_rows = 5; }), HasSubstr("5 of 4 rows are MERGED"));
-  EXPECT_THAT(fault([](TreeColumns& c) { c.merged_rows = 2; }), HasSubstr("row 2: it is JOINED, but its weight is 0.2"));
+  EXPECT_THAT(fault([](TreeColumns& c) { c.merged_rows = 2; }),
+              HasSubstr("row 2: it is JOINED, but its weight is 0.2"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.left[1] = 3; }), HasSubstr("row 1: left 3 and right 3"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.right[1] = 6; }), HasSubstr("row 1: left 2 and right 6"));  // its own node
   EXPECT_THAT(fault([](TreeColumns& c) { c.right[3] = 0xffffffff; }), HasSubstr("row 3: left 4 and right 4294967295"));

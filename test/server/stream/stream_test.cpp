@@ -125,8 +125,8 @@ TEST(Stream, CarriesTreesBeyondAChunk) {
   for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
     StubStream stream(server);
     v1alpha1::StreamOpen open;
-    *open.mutable_outputs() = wire::to_message(
-        wire::Outputs{.labels = false, .supervoxels = true, .tree = true, .compression = compression});
+    *open.mutable_outputs() =
+        wire::to_message(wire::Outputs{.labels = false, .supervoxels = true, .tree = true, .compression = compression});
     ASSERT_TRUE(stream.open(open));
     ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
     const auto outcome = stream.next();
