@@ -1,7 +1,9 @@
 #include "segserve/wire/codec.hpp"
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -25,17 +27,15 @@ constexpr double kBound = 0.001;
 
 /// An organised frame of a pinhole camera whose points come in an order that no codec could restore if it lost it:
 /// depth and colour jump about, and every sixth point is not finite.
-Cloud frame(bool color) {
-  constexpr std::uint32_t kWidth = 24;
-  constexpr std::uint32_t kHeight = 18;
+Cloud frame(bool color, std::uint32_t width = 24, std::uint32_t height = 18) {
   std::mt19937 random(7);
   Cloud cloud;
-  cloud.resize(std::size_t{kWidth} * kHeight, color);
-  cloud.width = kWidth;
-  cloud.height = kHeight;
+  cloud.resize(std::size_t{width} * height, color);
+  cloud.width = width;
+  cloud.height = height;
   cloud.view = View::camera();
-  for (std::uint32_t v = 0, i = 0; v < kHeight; ++v) {
-    for (std::uint32_t u = 0; u < kWidth; ++u, ++i) {
+  for (std::uint32_t v = 0, i = 0; v < height; ++v) {
+    for (std::uint32_t u = 0; u < width; ++u, ++i) {
       const float z = random() % 6 == 0 ? NAN : 0.5F + static_cast<float>(random() % 3000) / 1000;
       cloud.x[i] = (static_cast<float>(u) - 11.5F) / 30 * z;
       cloud.y[i] = (static_cast<float>(v) - 8.5F) / 30 * z;
@@ -133,6 +133,30 @@ TEST_P(EachCodec, DamageIsRefusedOrDecodedWithinBounds) {
     }
     *data = whole;
   }
+}
+
+TEST_P(EachCodec, AStoppedDecodingEndsSoon) {
+  const Cloud cloud = frame(true, 400, 300);
+  const v1alpha1::Cloud message = encode(cloud);
+  constexpr codec::DecodeLimits kEnough{.draco = true};
+  WorkMeter whole;
+  ASSERT_TRUE(decode_cloud(message, kEnough, StopToken(nullptr, std::nullopt, &whole)).ok());
+  EXPECT_GE(whole.units(), cloud.size());
+  for (const std::uint64_t at : {std::uint64_t{0}, whole.units() / 3, whole.units() * 2 / 3}) {
+    std::atomic<bool> cancelled = false;
+    std::uint64_t before = 0;
+    WorkMeter meter([&](std::uint64_t units) {
+      if (cancelled || units < at) return;
+      before = units;
+      cancelled = true;
+    });
+    const auto decoded = decode_cloud(message, kEnough, StopToken(&cancelled, std::nullopt, &meter));
+    EXPECT_EQ(decoded.status().code(), absl::StatusCode::kCancelled) << at << " of " << whole.units();
+    EXPECT_EQ(details_of(decoded.status()).reason, v1alpha1::ERROR_REASON_UNSPECIFIED) << "the payload is not at fault";
+    EXPECT_LE(meter.units() - before, StopToken::kMostWorkAfterStop) << at << " of " << whole.units();
+  }
+  const StopToken late(nullptr, StopToken::Clock::now());
+  EXPECT_EQ(decode_cloud(message, kEnough, late).status().code(), absl::StatusCode::kDeadlineExceeded);
 }
 
 INSTANTIATE_TEST_SUITE_P(Codecs, EachCodec, testing::ValuesIn(codecs().begin(), codecs().end()),

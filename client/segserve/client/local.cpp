@@ -19,7 +19,7 @@ absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::str
 
 absl::StatusOr<wire::Result> segment_here(const Payload& payload, const Options& options, const StopToken& stop) {
   const auto start = std::chrono::steady_clock::now();
-  const auto scene = decode(payload);
+  const auto scene = decode(payload, stop);
   if (!scene.ok()) return scene.status();
   const double decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   auto result = segment_here(scene->cloud, scene->view_rule, options, stop);

@@ -43,8 +43,8 @@ Payload rgbd_payload(codec::RgbdFiles images) {
   return Payload(std::move(message), points);
 }
 
-absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload) {
-  auto decoded = wire::decode_cloud(payload.message(), {.draco = true});
+absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload, const StopToken& stop) {
+  auto decoded = wire::decode_cloud(payload.message(), {.draco = true}, stop);
   if (!decoded.ok()) return decoded.status();
   return codec::LabelledCloud{std::move(decoded->cloud), {}, std::move(decoded->view_rule)};
 }

@@ -9,6 +9,7 @@
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/labelled_cloud.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 #include "segserve/v1alpha1/cloud.pb.h"
 #include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/codec.hpp"
@@ -54,6 +55,6 @@ Payload pcd_payload(std::string file_bytes, std::optional<View> view = std::null
 Payload rgbd_payload(codec::RgbdFiles images);
 
 /// The cloud that a server makes of the payload, and by which rule it chose the view.
-absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload);
+absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload, const StopToken& stop = {});
 
 }  // namespace segserve::client

@@ -12,22 +12,23 @@ namespace {
 constexpr std::uint32_t kNoColor = 0x7fc00000;  // the quiet NaN, in a packed float
 
 template <typename Function>
-void for_each_value(const Column& column, std::size_t points, Function function) {
+void for_each_value(const Column& column, std::size_t points, StopCheck& check, Function function) {
   visit_type(column.type, [&]<typename T>(T) {
-    for (std::size_t i = 0; i < points; ++i) function(i, load<T>(column.data + i * column.stride, column.order));
+    check.for_each(0, points,
+                   [&](std::size_t i) { function(i, load<T>(column.data + i * column.stride, column.order)); });
   });
 }
 
-void read_position(const Column& column, std::vector<float>& out) {
-  for_each_value(column, out.size(), [&](std::size_t i, auto value) { out[i] = static_cast<float>(value); });
+void read_position(const Column& column, StopCheck& check, std::vector<float>& out) {
+  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] = static_cast<float>(value); });
 }
 
-void read_packed(const Column& column, std::vector<std::uint32_t>& out) {
+void read_packed(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
   const bool can_be_nan = is_float(column.type);
-  for (std::size_t i = 0; i < out.size(); ++i) {
+  check.for_each(0, out.size(), [&](std::size_t i) {
     const auto bits = load<std::uint32_t>(column.data + i * column.stride, column.order);
     out[i] = can_be_nan && bits == kNoColor ? 0 : bits & 0xFFFFFFU;
-  }
+  });
 }
 
 template <typename T>
@@ -44,8 +45,8 @@ std::uint32_t to_channel(T value) {
 }
 
 // Fills in one of the three bytes of a colour that is 0 before.
-void read_channel(const Column& column, unsigned shift, std::vector<std::uint32_t>& out) {
-  for_each_value(column, out.size(), [&](std::size_t i, auto value) { out[i] |= to_channel(value) << shift; });
+void read_channel(const Column& column, unsigned shift, StopCheck& check, std::vector<std::uint32_t>& out) {
+  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] |= to_channel(value) << shift; });
 }
 
 // Negative labels and NaN are other programs' "none".
@@ -60,9 +61,9 @@ std::optional<std::uint32_t> to_label(T value) {
   return static_cast<std::uint32_t>(value);
 }
 
-absl::Status read_label(const Column& column, std::vector<std::uint32_t>& out) {
+absl::Status read_label(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
   std::string fault;
-  for_each_value(column, out.size(), [&](std::size_t i, auto value) {
+  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) {
     const auto label = to_label(value);
     if (!label && fault.empty()) {
       fault = fmt::format("point {} (counted from 0) has the label {}, which is not an integer of 32 bits", i, value);
@@ -107,22 +108,24 @@ absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_three(const std::
 }
 
 absl::Status read_columns(const Roles& roles, const std::function<Column(std::size_t field)>& column,
-                          std::size_t points, LabelledCloud& out) {
+                          std::size_t points, LabelledCloud& out, const StopToken& stop) {
   Cloud& cloud = out.cloud;
   cloud.resize(points, roles.packed || roles.channels);
   cloud.width = static_cast<std::uint32_t>(points);
   cloud.height = 1;
-  read_position(column(roles.position[0]), cloud.x);
-  read_position(column(roles.position[1]), cloud.y);
-  read_position(column(roles.position[2]), cloud.z);
+  StopCheck check(stop);
+  read_position(column(roles.position[0]), check, cloud.x);
+  read_position(column(roles.position[1]), check, cloud.y);
+  read_position(column(roles.position[2]), check, cloud.z);
   if (roles.packed) {
-    read_packed(column(*roles.packed), cloud.rgb);
+    read_packed(column(*roles.packed), check, cloud.rgb);
   } else if (roles.channels) {
-    for (unsigned i = 0; i < 3; ++i) read_channel(column((*roles.channels)[i]), 16 - 8 * i, cloud.rgb);
+    for (unsigned i = 0; i < 3; ++i) read_channel(column((*roles.channels)[i]), 16 - 8 * i, check, cloud.rgb);
   }
-  if (!roles.label) return absl::OkStatus();
+  if (!roles.label || check.stopped()) return stop.check();
   out.label.resize(points);
-  return read_label(column(*roles.label), out.label);
+  if (absl::Status status = read_label(column(*roles.label), check, out.label); !status.ok()) return status;
+  return stop.check();
 }
 
 }  // namespace segserve::codec

@@ -12,6 +12,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/codec/labelled_cloud.hpp"
 #include "segserve/codec/scalar.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 namespace segserve::codec {
 
@@ -45,6 +46,6 @@ struct Column {
 /// The caller has checked that the columns lie within bytes at hand, and their types: a float for
 /// positions, 4 bytes for packed colour. INVALID_ARGUMENT for a label that is not a 32-bit integer.
 absl::Status read_columns(const Roles& roles, const std::function<Column(std::size_t field)>& column,
-                          std::size_t points, LabelledCloud& out);
+                          std::size_t points, LabelledCloud& out, const StopToken& stop = {});
 
 }  // namespace segserve::codec

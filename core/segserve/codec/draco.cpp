@@ -83,13 +83,15 @@ absl::StatusOr<std::string> encode_points(const CloudView& cloud, std::span<cons
 }
 
 /// Draco's points, k-th at index finite[k].
-absl::Status read_points(const draco::PointCloud& points, std::span<const std::uint32_t> finite, Cloud& cloud) {
+absl::Status read_points(const draco::PointCloud& points, std::span<const std::uint32_t> finite, const StopToken& stop,
+                         Cloud& cloud) {
   const draco::PointAttribute* position = points.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const draco::PointAttribute* color = points.GetNamedAttribute(draco::GeometryAttribute::COLOR);
   if (points.num_points() != finite.size() || position == nullptr || (color != nullptr) != cloud.has_color()) {
     return fault("it decodes to other points than its header says");
   }
-  for (std::size_t k = 0; k < finite.size(); ++k) {
+  StopCheck check(stop);
+  for (std::size_t k = 0; k < finite.size() && !check.after(1); ++k) {
     const draco::PointIndex point(static_cast<std::uint32_t>(k));
     const std::uint32_t i = finite[k];
     std::array<float, 3> xyz{};
@@ -103,7 +105,7 @@ absl::Status read_points(const draco::PointCloud& points, std::span<const std::u
     if (!color->ConvertValue<std::uint8_t, 3>(color->mapped_index(point), rgb.data())) return fault("a broken colour");
     cloud.rgb[i] = pack_rgb(rgb[0], rgb[1], rgb[2]);
   }
-  return absl::OkStatus();
+  return stop.check();
 }
 
 absl::Status check_limits(std::uint64_t points, const DecodeLimits& limits) {
@@ -121,7 +123,7 @@ absl::Status check_limits(std::uint64_t points, const DecodeLimits& limits) {
 
 /// The indices of Draco's points in the cloud.
 absl::StatusOr<std::vector<std::uint32_t>> indices_of(const DracoHeader& header, std::string_view finite,
-                                                      std::uint64_t points) {
+                                                      std::uint64_t points, const StopToken& stop) {
   if (finite.empty()) {
     if (header.points != points) return fault(fmt::format("it has {} points, the cloud {}", header.points, points));
     std::vector<std::uint32_t> all(points);
@@ -133,18 +135,21 @@ absl::StatusOr<std::vector<std::uint32_t>> indices_of(const DracoHeader& header,
         fmt::format("the bitmap of {} points has {} bytes, not {}", points, finite.size(), bitmap_bytes(points)));
   }
   if (header.points > points) return fault(fmt::format("it has {} points, the cloud {}", header.points, points));
-  auto indices = read_bitmap(finite, points, header.points);
+  StopCheck check(stop);
+  auto indices = read_bitmap(finite, points, header.points, check);
+  if (check.stopped()) return stop.check();
   if (!indices) return fault(fmt::format("the bitmap does not have {} of {} points", header.points, points));
   return *std::move(indices);
 }
 
-absl::Status decode_points(std::string_view data, std::span<const std::uint32_t> indices, Cloud& cloud) {
+absl::Status decode_points(std::string_view data, std::span<const std::uint32_t> indices, const StopToken& stop,
+                           Cloud& cloud) {
   draco::DecoderBuffer buffer;
   buffer.Init(data.data(), data.size());
   draco::Decoder decoder;
   auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
   if (!decoded.ok()) return fault(decoded.status().error_msg());
-  return read_points(*decoded.value(), indices, cloud);
+  return read_points(*decoded.value(), indices, stop, cloud);
 }
 
 }  // namespace
@@ -169,7 +174,8 @@ absl::StatusOr<DracoFile> encode_draco(const CloudView& cloud, double error_boun
 }
 
 absl::StatusOr<Cloud> decode_draco(std::string_view data, std::string_view finite, std::uint32_t width,
-                                   std::uint32_t height, const View& view, const DecodeLimits& limits) {
+                                   std::uint32_t height, const View& view, const DecodeLimits& limits,
+                                   const StopToken& stop) {
   if (!limits.draco) return absl::FailedPreconditionError("Draco is not enabled");
   const std::uint64_t points = std::uint64_t{width} * height;
   if (absl::Status status = check_limits(points, limits); !status.ok()) return status;
@@ -179,11 +185,11 @@ absl::StatusOr<Cloud> decode_draco(std::string_view data, std::string_view finit
     if (!read.ok()) return read.status();
     header = *read;
   }
-  const auto indices = indices_of(header, finite, points);
+  const auto indices = indices_of(header, finite, points, stop);
   if (!indices.ok()) return indices.status();
   Cloud cloud = cloud_of_nothing(width, height, header.color_components > 0, view);
   if (indices->empty()) return cloud;
-  absl::Status status = no_throw([&] { return decode_points(data, *indices, cloud); });
+  absl::Status status = no_throw([&] { return decode_points(data, *indices, stop, cloud); });
   if (!status.ok()) return status;
   return cloud;
 }

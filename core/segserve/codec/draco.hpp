@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 // Google's Draco, sequentially encoded, which keeps the order of the points. Optional: see draco_is_built.
 namespace segserve::codec {
@@ -26,6 +27,7 @@ absl::StatusOr<DracoFile> encode_draco(const CloudView& cloud, double error_boun
 /// (kd-tree), meshes, other attributes and counts that do not fit are refused before Draco sees them.
 /// FAILED_PRECONDITION unless `limits.draco`.
 absl::StatusOr<Cloud> decode_draco(std::string_view data, std::string_view finite, std::uint32_t width,
-                                   std::uint32_t height, const View& view, const DecodeLimits& limits);
+                                   std::uint32_t height, const View& view, const DecodeLimits& limits,
+                                   const StopToken& stop = {});
 
 }  // namespace segserve::codec

@@ -13,7 +13,8 @@ bool draco_is_built() { return false; }
 absl::StatusOr<DracoFile> encode_draco(const CloudView& /*cloud*/, double /*error_bound*/) { return absent(); }
 
 absl::StatusOr<Cloud> decode_draco(std::string_view /*data*/, std::string_view /*finite*/, std::uint32_t /*width*/,
-                                   std::uint32_t /*height*/, const View& /*view*/, const DecodeLimits& /*limits*/) {
+                                   std::uint32_t /*height*/, const View& /*view*/, const DecodeLimits& /*limits*/,
+                                   const StopToken& /*stop*/) {
   return absent();
 }
 

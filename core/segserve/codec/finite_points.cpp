@@ -20,10 +20,11 @@ void write_bitmap(std::span<const std::uint32_t> finite, char* bitmap) {
   for (const std::uint32_t i : finite) bitmap[i / 8] = static_cast<char>(bitmap[i / 8] | 1U << i % 8);
 }
 
-std::optional<std::vector<std::uint32_t>> read_bitmap(std::string_view bitmap, std::size_t points, std::size_t finite) {
+std::optional<std::vector<std::uint32_t>> read_bitmap(std::string_view bitmap, std::size_t points, std::size_t finite,
+                                                      StopCheck& check) {
   std::vector<std::uint32_t> indices;
   indices.reserve(finite);
-  for (std::size_t byte = 0; byte < bitmap.size(); ++byte) {
+  for (std::size_t byte = 0; byte < bitmap.size() && !check.after(8); ++byte) {
     for (unsigned bits = static_cast<unsigned char>(bitmap[byte]); bits != 0; bits &= bits - 1) {
       const std::size_t i = 8 * byte + static_cast<unsigned>(std::countr_zero(bits));
       if (i >= points || indices.size() == finite) return std::nullopt;

@@ -9,8 +9,10 @@
 
 namespace segserve::codec {
 
-/// What a decoder may be asked for. A claimed size is compared with these, and with the bytes at
-/// hand, before anything is allocated; a larger one is INVALID_ARGUMENT naming limit and claim.
+/// What a decoder may be asked for. (Beside it decoders take a StopToken: once it says stop, they return its status
+/// within StopToken::kMostWorkAfterStop points. What a library does in one call, such as a PNG, is done to its end.) A
+/// claimed size is compared with these, and with the bytes at hand, before anything is allocated; a larger one is
+/// INVALID_ARGUMENT naming limit and claim.
 struct DecodeLimits {
   /// Points of one cloud.
   std::uint64_t max_points = 64'000'000;

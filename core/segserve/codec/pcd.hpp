@@ -10,6 +10,7 @@
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/labelled_cloud.hpp"
 #include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 namespace segserve::codec {
 
@@ -31,7 +32,7 @@ enum class PcdEncoding : std::uint8_t { kAscii, kBinary, kBinaryCompressed };
 /// INVALID_ARGUMENT with one line that names the fault and its place for anything else, a header
 /// that promises more than there is, and exceeded limits. A cloud of 0 points is not a fault here.
 absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                         std::optional<View> view = std::nullopt);
+                                         std::optional<View> view = std::nullopt, const StopToken& stop = {});
 
 /// Writes PCD 0.7 with the fields x y z, rgb (packed; if the cloud has colour) and label (U4; if
 /// `label`, which has an entry per point, is not empty). Floats and colours survive exactly in all

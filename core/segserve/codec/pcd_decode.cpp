@@ -22,7 +22,8 @@ absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
 std::unique_ptr<std::byte[]> allocate(std::size_t bytes) { return std::make_unique_for_overwrite<std::byte[]>(bytes); }
 
 /// Points one after the other, each with all its fields.
-absl::Status read_binary(const PcdHeader& header, std::span<const std::byte> body, LabelledCloud& out) {
+absl::Status read_binary(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
+                         LabelledCloud& out) {
   const std::size_t point_bytes = header.point_bytes();
   if (header.points > body.size() / point_bytes) {
     return fault("{} bytes are there; POINTS {} of {} bytes each need more", body.size(), header.points, point_bytes);
@@ -32,7 +33,7 @@ absl::Status read_binary(const PcdHeader& header, std::span<const std::byte> bod
     for (std::size_t i = 0; i < field; ++i) offset += header.fields[i].bytes();
     return Column{body.data() + offset, point_bytes, header.fields[field].type};
   };
-  return read_columns(header.roles, column, header.points, out);
+  return read_columns(header.roles, column, header.points, out, stop);
 }
 
 /// The two sizes in front of compressed bytes, checked against the header and the bytes at hand.
@@ -65,7 +66,7 @@ absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& hea
 
 /// Fields one after the other, each with all its points, as one LZF block.
 absl::Status read_compressed(const PcdHeader& header, std::span<const std::byte> body, const DecodeLimits& limits,
-                             LabelledCloud& out) {
+                             const StopToken& stop, LabelledCloud& out) {
   const auto compressed = compressed_bytes(header, body, limits);
   if (!compressed.ok()) return compressed.status();
   const std::size_t size = header.points * header.point_bytes();
@@ -82,7 +83,7 @@ absl::Status read_compressed(const PcdHeader& header, std::span<const std::byte>
     }
     return Column{planes.get() + offset, header.fields[field].bytes(), header.fields[field].type};
   };
-  return read_columns(header.roles, column, header.points, out);
+  return read_columns(header.roles, column, header.points, out, stop);
 }
 
 /// One wanted value of a line of text: which word it is, and where it goes in the row.
@@ -129,7 +130,8 @@ absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineR
   return absl::OkStatus();
 }
 
-absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body, LabelledCloud& out) {
+absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
+                        LabelledCloud& out) {
   const RowPlan plan(header);
   // Every value takes a byte and a delimiter; the last one can do without.
   if (header.points > (body.size() + 1) / 2 / plan.words) {
@@ -138,7 +140,9 @@ absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body
   const auto rows = allocate(header.points * plan.bytes);
   LineReader lines(as_text(body), header.body_line);
   std::size_t read = 0;
+  StopCheck check(stop);
   while (const auto line = lines.next()) {
+    if (check.after(1)) return stop.check();
     if (line->text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
     if (read == header.points) return fault("line {} is one more than POINTS {} promises", line->number, header.points);
     if (auto status = parse_row(header, plan, *line, rows.get() + read * plan.bytes); !status.ok()) return status;
@@ -150,20 +154,20 @@ absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body
         std::find_if(plan.slots.begin(), plan.slots.end(), [&](const Slot& s) { return s.field == field; });
     return Column{rows.get() + slot->offset, plan.bytes, header.fields[field].type};
   };
-  return read_columns(header.roles, column, header.points, out);
+  return read_columns(header.roles, column, header.points, out, stop);
 }
 
 absl::Status read_body(const PcdHeader& header, std::span<const std::byte> body, const DecodeLimits& limits,
-                       LabelledCloud& out) {
+                       const StopToken& stop, LabelledCloud& out) {
   switch (header.encoding) {
     case PcdEncoding::kAscii:
-      return read_ascii(header, body, out);
+      return read_ascii(header, body, stop, out);
     case PcdEncoding::kBinary:
-      return read_binary(header, body, out);
+      return read_binary(header, body, stop, out);
     case PcdEncoding::kBinaryCompressed:
       break;
   }
-  return read_compressed(header, body, limits, out);
+  return read_compressed(header, body, limits, stop, out);
 }
 
 void choose_view(const PcdHeader& header, const std::optional<View>& given, LabelledCloud& out) {
@@ -185,7 +189,7 @@ void choose_view(const PcdHeader& header, const std::optional<View>& given, Labe
 }  // namespace
 
 absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                         std::optional<View> view) {
+                                         std::optional<View> view, const StopToken& stop) {
   if (bytes.size() > limits.max_bytes) {
     return over_limit(fmt::format("PCD file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes),
                       {"max_bytes", bytes.size(), limits.max_bytes});
@@ -193,7 +197,9 @@ absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const
   const auto header = parse_pcd_header(as_text(bytes), limits);
   if (!header.ok()) return header.status();
   LabelledCloud out;
-  if (auto status = read_body(*header, bytes.subspan(header->body_offset), limits, out); !status.ok()) return status;
+  if (auto status = read_body(*header, bytes.subspan(header->body_offset), limits, stop, out); !status.ok()) {
+    return status;
+  }
   out.cloud.width = header->width;
   out.cloud.height = header->height;
   choose_view(*header, view, out);

@@ -46,7 +46,7 @@ std::string write_floats(std::span<const float> values) {
 }  // namespace
 
 absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
-                                    const View& view, const DecodeLimits& limits) {
+                                    const View& view, const DecodeLimits& limits, const StopToken& stop) {
   const std::uint64_t points = std::uint64_t{width} * height;
   if (auto status = check_planes(planes, points, limits); !status.ok()) return status;
   Cloud cloud;
@@ -58,10 +58,11 @@ absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t wid
   cloud.z = read_floats(planes.z);
   cloud.rgb.resize(planes.rgb.empty() ? 0 : static_cast<std::size_t>(points));
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(planes.rgb.data());
-  for (std::uint32_t& rgb : cloud.rgb) {
-    rgb = pack_rgb(bytes[0], bytes[1], bytes[2]);
-    bytes += 3;
-  }
+  StopCheck check(stop);
+  check.for_each(0, cloud.rgb.size(), [bytes, rgb = cloud.rgb.data()](std::size_t i) {
+    rgb[i] = pack_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]);
+  });
+  if (auto status = stop.check(); !status.ok()) return status;
   return cloud;
 }
 

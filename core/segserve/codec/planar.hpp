@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 namespace segserve::codec {
 
@@ -24,9 +25,9 @@ struct PlanarPlanes {
 };
 
 /// N = width * height points. INVALID_ARGUMENT naming the plane whose length does not fit, or the
-/// limit that is exceeded. Neither coordinates nor an empty cloud are judged here.
+/// limit that is exceeded; that of `stop` once it says so. Neither coordinates nor an empty cloud are judged here.
 absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
-                                    const View& view, const DecodeLimits& limits);
+                                    const View& view, const DecodeLimits& limits, const StopToken& stop = {});
 
 PlanarPlanes encode_planar(const CloudView& cloud);
 

@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 // Coordinates on a grid: QUANTISED.md describes the format byte by byte.
 namespace segserve::codec {
@@ -25,6 +26,7 @@ struct QuantisedCloud {
 absl::StatusOr<std::string> encode_quantised(const CloudView& cloud, double error_bound);
 
 /// The same bytes give the same cloud on every CPU. INVALID_ARGUMENT that names the fault of the bytes or the limit.
-absl::StatusOr<QuantisedCloud> decode_quantised(std::string_view bytes, const View& view, const DecodeLimits& limits);
+absl::StatusOr<QuantisedCloud> decode_quantised(std::string_view bytes, const View& view, const DecodeLimits& limits,
+                                                const StopToken& stop = {});
 
 }  // namespace segserve::codec

@@ -33,16 +33,15 @@ absl::StatusOr<ColorImage> decode_color(std::string_view bytes, const DecodeLimi
   return absl::InvalidArgumentError("neither PNG nor JPEG");
 }
 
-void read_colors(const ColorImage& image, std::vector<std::uint32_t>& out) {
+void read_colors(const ColorImage& image, StopCheck& check, std::vector<std::uint32_t>& out) {
   out.resize(image.size.pixels());
   const std::uint8_t* rgb = image.rgb.data();
-  for (std::uint32_t& color : out) {
-    color = pack_rgb(rgb[0], rgb[1], rgb[2]);
-    rgb += 3;
-  }
+  check.for_each(0, out.size(), [rgb, color = out.data()](std::size_t i) {
+    color[i] = pack_rgb(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]);
+  });
 }
 
-Cloud to_cloud(const GreyImage& depth, double scale, const Intrinsics& camera) {
+Cloud to_cloud(const GreyImage& depth, double scale, const Intrinsics& camera, StopCheck& check) {
   const auto [width, height] = depth.size;
   Cloud cloud;
   cloud.resize(depth.size.pixels(), false);
@@ -52,7 +51,7 @@ Cloud to_cloud(const GreyImage& depth, double scale, const Intrinsics& camera) {
   std::vector<double> right(width);
   for (std::uint32_t u = 0; u < width; ++u) right[u] = (u - camera.cx) / camera.fx;
   std::size_t i = 0;
-  for (std::uint32_t v = 0; v < height; ++v) {
+  for (std::uint32_t v = 0; v < height && !check.after(width); ++v) {
     const double down = (v - camera.cy) / camera.fy;
     for (std::uint32_t u = 0; u < width; ++u, ++i) {
       const double z = depth.pixels[i] != 0 ? depth.pixels[i] * scale : std::numeric_limits<double>::quiet_NaN();
@@ -86,7 +85,7 @@ absl::Status check_depth_scale(double depth_scale) {
       fmt::format("the depth scale is {}, which is not a finite number above 0", depth_scale));
 }
 
-absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits) {
+absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits, const StopToken& stop) {
   if (absl::Status status = check_intrinsics(images.intrinsics); !status.ok()) return status;
   if (absl::Status status = check_depth_scale(images.depth_scale); !status.ok()) return status;
   const auto size = png_size(images.depth);
@@ -96,7 +95,9 @@ absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& 
 
   const auto depth = decode_png_grey16(images.depth, limits);
   if (!depth.ok()) return in_image("depth", depth.status());
-  Cloud cloud = to_cloud(*depth, images.depth_scale, images.intrinsics);
+  StopCheck check(stop);
+  Cloud cloud = to_cloud(*depth, images.depth_scale, images.intrinsics, check);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   if (images.color.empty()) return cloud;
 
   const auto color = decode_color(images.color, limits);
@@ -106,7 +107,8 @@ absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& 
                                                   color->size.width, color->size.height, depth->size.width,
                                                   depth->size.height));
   }
-  read_colors(*color, cloud.rgb);
+  read_colors(*color, check, cloud.rgb);
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   return cloud;
 }
 

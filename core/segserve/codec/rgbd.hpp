@@ -7,6 +7,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 // The images of an RGB-D camera and the organised CAMERA cloud that they are.
 namespace segserve::codec {
@@ -37,6 +38,6 @@ struct RgbdImages {
 /// Pixel (u, v) of depth d > 0 becomes z = d * depth_scale, x = (u - cx) / fx * z, y = (v - cy) / fy * z, computed in
 /// double from left to right and rounded to float; d = 0 becomes NaN. INVALID_ARGUMENT that names the image and its
 /// fault or size, or the limit; sizes are checked before anything is allocated.
-absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits);
+absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits, const StopToken& stop = {});
 
 }  // namespace segserve::codec

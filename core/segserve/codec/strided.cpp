@@ -109,37 +109,39 @@ absl::Status check_sizes(const StridedLayout& layout, const DecodeLimits& limits
 
 /// Calls function(i, T) with the value of the field of every point i.
 template <typename T, std::endian kOrder, typename Function>
-void for_each_value(const StridedLayout& layout, std::string_view data, const PointField& field, Function function) {
+void for_each_value(const StridedLayout& layout, std::string_view data, const PointField& field, StopCheck& check,
+                    Function function) {
   const auto* bytes = reinterpret_cast<const std::byte*>(data.data()) + field.offset;
-  std::size_t i = 0;
-  for (std::uint32_t row = 0; row < layout.height; ++row) {
-    const std::byte* at = bytes + std::size_t{row} * layout.row_step;
-    for (std::uint32_t column = 0; column < layout.width; ++column, ++i, at += layout.point_step) {
-      function(i, load<T>(at, kOrder));
-    }
+  for (std::uint32_t row = 0; row < layout.height && !check.stopped(); ++row) {
+    const std::byte* first = bytes + std::size_t{row} * layout.row_step;
+    const std::size_t i = std::size_t{row} * layout.width;
+    check.for_each(0, layout.width, [first, i, step = std::size_t{layout.point_step}, function](std::size_t column) {
+      function(i + column, load<T>(first + column * step, kOrder));
+    });
   }
 }
 
 template <std::endian kOrder>
-void read_points(const StridedLayout& layout, std::string_view data, const FieldRoles& roles, Cloud& cloud) {
+void read_points(const StridedLayout& layout, std::string_view data, const FieldRoles& roles, StopCheck& check,
+                 Cloud& cloud) {
   const std::array<std::vector<float>*, 3> axes{&cloud.x, &cloud.y, &cloud.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto put = [out = axes[axis]->data()](std::size_t i, auto value) { out[i] = static_cast<float>(value); };
     const PointField& field = *roles.position[axis];
     if (field.datatype == PointDatatype::kFloat64) {
-      for_each_value<double, kOrder>(layout, data, field, put);
+      for_each_value<double, kOrder>(layout, data, field, check, put);
     } else {
-      for_each_value<float, kOrder>(layout, data, field, put);
+      for_each_value<float, kOrder>(layout, data, field, check, put);
     }
   }
   std::uint32_t* rgb = cloud.rgb.data();
   if (roles.packed != nullptr) {
-    for_each_value<std::uint32_t, kOrder>(layout, data, *roles.packed,
+    for_each_value<std::uint32_t, kOrder>(layout, data, *roles.packed, check,
                                           [rgb](std::size_t i, std::uint32_t value) { rgb[i] = value & 0xFFFFFFU; });
   } else if (roles.channels) {
     for (unsigned channel = 0; channel < 3; ++channel) {
       for_each_value<std::uint8_t, kOrder>(
-          layout, data, *(*roles.channels)[channel],
+          layout, data, *(*roles.channels)[channel], check,
           [rgb, channel](std::size_t i, std::uint32_t value) { rgb[i] |= value << (16 - 8 * channel); });
     }
   }
@@ -156,7 +158,7 @@ absl::Status check_layout(const StridedLayout& layout, const DecodeLimits& limit
 }
 
 absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_view data, const View& view,
-                                     const DecodeLimits& limits) {
+                                     const DecodeLimits& limits, const StopToken& stop) {
   if (absl::Status status = check_layout(layout, limits); !status.ok()) return status;
   if (data.size() != layout.bytes()) {
     return absl::InvalidArgumentError(fmt::format("the data have {} bytes; {} rows of {} bytes are {}", data.size(),
@@ -169,11 +171,13 @@ absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_vi
   cloud.height = layout.height;
   cloud.view = view;
   cloud.resize(std::size_t{layout.width} * layout.height, roles->packed != nullptr || roles->channels);
+  StopCheck check(stop);
   if (layout.is_bigendian) {
-    read_points<std::endian::big>(layout, data, *roles, cloud);
+    read_points<std::endian::big>(layout, data, *roles, check, cloud);
   } else {
-    read_points<std::endian::little>(layout, data, *roles, cloud);
+    read_points<std::endian::little>(layout, data, *roles, check, cloud);
   }
+  if (absl::Status status = stop.check(); !status.ok()) return status;
   return cloud;
 }
 

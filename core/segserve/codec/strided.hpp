@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/limits.hpp"
+#include "segserve/pipeline/stop_token.hpp"
 
 namespace segserve::codec {
 
@@ -59,7 +60,7 @@ absl::Status check_layout(const StridedLayout& layout, const DecodeLimits& limit
 /// The cloud of `data`, which must be layout.bytes() long. Colour: `rgb` or `rgba`, whose 4 bytes are 0xAARRGGBB
 /// whatever their type, else `r`, `g` and `b`; else none. Neither coordinates nor an empty cloud are judged here.
 absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_view data, const View& view,
-                                     const DecodeLimits& limits);
+                                     const DecodeLimits& limits, const StopToken& stop = {});
 
 /// x, y, z and, with colour, rgb: FLOAT32, without gaps, little endian.
 StridedCloud encode_strided(const CloudView& cloud);

@@ -106,24 +106,25 @@ std::vector<FieldViolation> violations(const v1alpha1::Cloud& message) {
   return faults;
 }
 
-absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits) {
+absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits,
+                                          const StopToken& stop) {
   if (const absl::Status status = invalid_fields(violations(message)); !status.ok()) return status;
   if (const absl::Status status = check_kind(message, limits); !status.ok()) return status;
   std::vector<FieldViolation> faults;  // none: see above
   const std::optional<View> view = from_message(message.view(), faults);
   switch (message.payload_case()) {
     case v1alpha1::Cloud::kPlanar:
-      return decode_planar(message, view, limits);
+      return decode_planar(message, view, limits, stop);
     case v1alpha1::Cloud::kPcdFile:
-      return decode_pcd_file(message, view, limits);
+      return decode_pcd_file(message, view, limits, stop);
     case v1alpha1::Cloud::kStrided:
-      return decode_strided(message, view, limits);
+      return decode_strided(message, view, limits, stop);
     case v1alpha1::Cloud::kQuantised:
-      return decode_quantised(message, view, limits);
+      return decode_quantised(message, view, limits, stop);
     case v1alpha1::Cloud::kRgbd:
-      return decode_rgbd(message, view, limits);
+      return decode_rgbd(message, view, limits, stop);
     case v1alpha1::Cloud::kDraco:
-      return decode_draco(message, view, limits);
+      return decode_draco(message, view, limits, stop);
     case v1alpha1::Cloud::PAYLOAD_NOT_SET:
       break;  // violations has refused it
   }

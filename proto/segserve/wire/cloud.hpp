@@ -38,7 +38,8 @@ struct DecodedCloud {
 
 /// The payload's cloud. Sizes it claims are checked against the limits before anything is allocated.
 /// INVALID_ARGUMENT: INVALID_FIELD (also for a kind that is not enabled: see check_kind), MALFORMED_PAYLOAD, or
-/// LIMIT_EXCEEDED.
-absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits);
+/// LIMIT_EXCEEDED. The status of `stop` once it says so.
+absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits,
+                                          const StopToken& stop = {});
 
 }  // namespace segserve::wire

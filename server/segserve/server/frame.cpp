@@ -22,7 +22,7 @@ absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const c
                                                      SegmenterInterface& segmenter, const StopToken& stop) {
   const Clock::time_point started = Clock::now();
   if (const absl::Status status = stop.check(); !status.ok()) return status;
-  const absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(frame.payload, limits);
+  const absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(frame.payload, limits, stop);
   if (!decoded.ok()) return decoded.status();
   const Clock::time_point decode_end = Clock::now();
 

@@ -11,7 +11,7 @@
 namespace segserve::wire {
 
 absl::StatusOr<DecodedCloud> decode_draco(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                          const codec::DecodeLimits& limits) {
+                                          const codec::DecodeLimits& limits, const StopToken& stop) {
   const v1alpha1::DracoCloud& draco = message.draco();
   const std::uint64_t points = std::uint64_t{message.width()} * message.height();
   if (const absl::Status status = check_limits(points, 0, limits); !status.ok()) return status;
@@ -24,7 +24,8 @@ absl::StatusOr<DecodedCloud> decode_draco(const v1alpha1::Cloud& message, const 
     finite = block_bytes(draco.finite(), codec::bitmap_bytes(points), "cloud.draco.finite", finite_buffer);
   }
   if (!finite.ok()) return finite.status();
-  absl::StatusOr<Cloud> cloud = codec::decode_draco(*data, *finite, message.width(), message.height(), *view, limits);
+  absl::StatusOr<Cloud> cloud =
+      codec::decode_draco(*data, *finite, message.width(), message.height(), *view, limits, stop);
   if (!cloud.ok()) return decode_error(cloud.status());
   return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
 }

@@ -15,17 +15,17 @@ namespace segserve::wire {
 // The fields around the payload have been checked (wire::violations); `view` is set unless the payload has its own.
 // Errors as those of wire::decode_cloud.
 absl::StatusOr<DecodedCloud> decode_planar(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                           const codec::DecodeLimits& limits);
+                                           const codec::DecodeLimits& limits, const StopToken& stop);
 absl::StatusOr<DecodedCloud> decode_pcd_file(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                             const codec::DecodeLimits& limits);
+                                             const codec::DecodeLimits& limits, const StopToken& stop);
 absl::StatusOr<DecodedCloud> decode_strided(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                            const codec::DecodeLimits& limits);
+                                            const codec::DecodeLimits& limits, const StopToken& stop);
 absl::StatusOr<DecodedCloud> decode_quantised(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                              const codec::DecodeLimits& limits);
+                                              const codec::DecodeLimits& limits, const StopToken& stop);
 absl::StatusOr<DecodedCloud> decode_rgbd(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                         const codec::DecodeLimits& limits);
+                                         const codec::DecodeLimits& limits, const StopToken& stop);
 absl::StatusOr<DecodedCloud> decode_draco(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                          const codec::DecodeLimits& limits);
+                                          const codec::DecodeLimits& limits, const StopToken& stop);
 
 // Errors as those of wire::to_message. Planar and PCD: wire/cloud.hpp.
 absl::StatusOr<v1alpha1::Cloud> to_strided_message(const CloudView& cloud, v1alpha1::Compression compression);

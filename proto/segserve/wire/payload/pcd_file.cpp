@@ -10,11 +10,12 @@
 namespace segserve::wire {
 
 absl::StatusOr<DecodedCloud> decode_pcd_file(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                             const codec::DecodeLimits& limits) {
+                                             const codec::DecodeLimits& limits, const StopToken& stop) {
   std::string buffer;
   const auto bytes = block_bytes_up_to(message.pcd_file().file(), limits.max_bytes, "cloud.pcd_file.file", buffer);
   if (!bytes.ok()) return bytes.status();
-  absl::StatusOr<codec::LabelledCloud> decoded = codec::decode_pcd(std::as_bytes(std::span(*bytes)), limits, view);
+  absl::StatusOr<codec::LabelledCloud> decoded =
+      codec::decode_pcd(std::as_bytes(std::span(*bytes)), limits, view, stop);
   if (!decoded.ok()) return decode_error(decoded.status());
   if (absl::Status status = check_shape_agrees(message, decoded->cloud, "the PCD file"); !status.ok()) return status;
   return DecodedCloud{std::move(decoded->cloud), std::move(decoded->view_rule)};

@@ -16,7 +16,10 @@ constexpr std::uint64_t kColorBytes = 3;
 /// One plane after the other, so that an error names its block.
 class PlaneReader {
  public:
+  explicit PlaneReader(const StopToken& stop) : stop_(stop) {}
+
   std::string_view read(const v1alpha1::Block& block, std::uint64_t bytes, std::string_view name, std::string& buffer) {
+    if (status_.ok()) status_ = stop_.check();
     if (!status_.ok()) return {};
     const absl::StatusOr<std::string_view> plane = block_bytes(block, bytes, name, buffer);
     status_ = plane.status();
@@ -25,13 +28,14 @@ class PlaneReader {
   const absl::Status& status() const { return status_; }
 
  private:
+  const StopToken& stop_;
   absl::Status status_;
 };
 
 }  // namespace
 
 absl::StatusOr<DecodedCloud> decode_planar(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                           const codec::DecodeLimits& limits) {
+                                           const codec::DecodeLimits& limits, const StopToken& stop) {
   const v1alpha1::PlanarCloud& planar = message.planar();
   const std::uint64_t points = std::uint64_t{message.width()} * message.height();
   const bool has_color = !planar.rgb().data().empty() || planar.rgb().decoded_bytes() != 0;
@@ -42,14 +46,14 @@ absl::StatusOr<DecodedCloud> decode_planar(const v1alpha1::Cloud& message, const
 
   codec::PlanarPlanes buffers;
   codec::PlanarBytes planes;
-  PlaneReader reader;
+  PlaneReader reader(stop);
   planes.x = reader.read(planar.x(), kCoordinateBytes * points, "cloud.planar.x", buffers.x);
   planes.y = reader.read(planar.y(), kCoordinateBytes * points, "cloud.planar.y", buffers.y);
   planes.z = reader.read(planar.z(), kCoordinateBytes * points, "cloud.planar.z", buffers.z);
   if (has_color) planes.rgb = reader.read(planar.rgb(), kColorBytes * points, "cloud.planar.rgb", buffers.rgb);
   if (!reader.status().ok()) return reader.status();
 
-  absl::StatusOr<Cloud> cloud = codec::decode_planar(planes, message.width(), message.height(), *view, limits);
+  absl::StatusOr<Cloud> cloud = codec::decode_planar(planes, message.width(), message.height(), *view, limits, stop);
   if (!cloud.ok()) return decode_error(cloud.status());
   return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
 }

@@ -12,11 +12,11 @@
 namespace segserve::wire {
 
 absl::StatusOr<DecodedCloud> decode_quantised(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                              const codec::DecodeLimits& limits) {
+                                              const codec::DecodeLimits& limits, const StopToken& stop) {
   std::string buffer;
   const auto bytes = block_bytes_up_to(message.quantised().data(), limits.max_bytes, "cloud.quantised.data", buffer);
   if (!bytes.ok()) return bytes.status();
-  absl::StatusOr<codec::QuantisedCloud> decoded = codec::decode_quantised(*bytes, *view, limits);
+  absl::StatusOr<codec::QuantisedCloud> decoded = codec::decode_quantised(*bytes, *view, limits, stop);
   if (!decoded.ok()) return decode_error(decoded.status());
   if (absl::Status status = check_shape_agrees(message, decoded->cloud, "the quantised cloud"); !status.ok()) {
     return status;

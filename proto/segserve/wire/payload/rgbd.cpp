@@ -12,7 +12,7 @@
 namespace segserve::wire {
 
 absl::StatusOr<DecodedCloud> decode_rgbd(const v1alpha1::Cloud& message, const std::optional<View>& /*view*/,
-                                         const codec::DecodeLimits& limits) {
+                                         const codec::DecodeLimits& limits, const StopToken& stop) {
   const v1alpha1::RgbdImages& rgbd = message.rgbd();
   std::string depth_buffer;
   std::string color_buffer;
@@ -25,7 +25,7 @@ absl::StatusOr<DecodedCloud> decode_rgbd(const v1alpha1::Cloud& message, const s
                           .color = *color,
                           .depth_scale = rgbd.depth_scale(),
                           .intrinsics = {.fx = rgbd.fx(), .fy = rgbd.fy(), .cx = rgbd.cx(), .cy = rgbd.cy()}},
-                         limits);
+                         limits, stop);
   if (!cloud.ok()) return decode_error(cloud.status());
   if (absl::Status status = check_shape_agrees(message, *cloud, "the depth image"); !status.ok()) return status;
   return DecodedCloud{*std::move(cloud), "CAMERA, as RGB-D images are"};

@@ -30,13 +30,13 @@ codec::StridedLayout layout_of(const v1alpha1::Cloud& message) {
 }  // namespace
 
 absl::StatusOr<DecodedCloud> decode_strided(const v1alpha1::Cloud& message, const std::optional<View>& view,
-                                            const codec::DecodeLimits& limits) {
+                                            const codec::DecodeLimits& limits, const StopToken& stop) {
   const codec::StridedLayout layout = layout_of(message);
   if (const absl::Status status = codec::check_layout(layout, limits); !status.ok()) return decode_error(status);
   std::string buffer;
   const auto data = block_bytes(message.strided().data(), layout.bytes(), "cloud.strided.data", buffer);
   if (!data.ok()) return data.status();
-  absl::StatusOr<Cloud> cloud = codec::decode_strided(layout, *data, *view, limits);
+  absl::StatusOr<Cloud> cloud = codec::decode_strided(layout, *data, *view, limits, stop);
   if (!cloud.ok()) return decode_error(cloud.status());
   return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
 }

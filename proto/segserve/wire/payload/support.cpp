@@ -9,6 +9,7 @@
 namespace segserve::wire {
 
 absl::Status decode_error(const absl::Status& status) {
+  if (absl::IsCancelled(status) || absl::IsDeadlineExceeded(status)) return status;
   const std::optional<codec::LimitExcess> excess = codec::limit_excess(status);
   if (!excess) return with_reason(status, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
   return with_details(absl::Status(status.code(), status.message()),

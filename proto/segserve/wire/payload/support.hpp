@@ -12,7 +12,8 @@
 // What the decoders of several payloads have in common.
 namespace segserve::wire {
 
-/// What a decoder of segserve::codec found: damage (MALFORMED_PAYLOAD), or a limit of v1alpha1.Limits exceeded.
+/// What a decoder of segserve::codec found: damage (MALFORMED_PAYLOAD), or a limit of v1alpha1.Limits exceeded; that it
+/// was stopped stays as it is.
 absl::Status decode_error(const absl::Status& status);
 
 /// LIMIT_EXCEEDED unless so many points, and so many bytes of them, are allowed.
