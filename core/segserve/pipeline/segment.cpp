@@ -44,13 +44,13 @@ double settled_threshold(const Options& options) {
 /// The border method's neighbours and normals: surfaces hang together where they are sparser than the voxels, and
 /// normals have the right side where the sensor cannot have seen them.
 absl::Status border_normals(const VoxelGrid& grid, const View& view, const SupervoxelOptions& settings,
-                            unsigned threads, const StopToken& stop, VoxelAdjacency& adjacency,
+                            unsigned threads, const StopToken& stop, NormalsScratch& scratch, VoxelAdjacency& adjacency,
                             std::vector<Vec3>& normals) {
   const double voxel = settings.voxel_resolution;
   absl::Status status = bridge_islands(grid, view, voxel, {}, stop, adjacency);
-  if (status.ok()) status = compute_normals(grid, adjacency, view, threads, stop, normals);
+  if (status.ok()) status = compute_normals(grid, adjacency, view, threads, stop, scratch, normals);
   if (status.ok() && view.sensor) status = orient_hidden(grid, adjacency, view, voxel, stop, normals);
-  if (status.ok()) status = refine_normals(grid, adjacency, view, voxel, {}, threads, stop, normals);
+  if (status.ok()) status = refine_normals(grid, adjacency, view, voxel, {}, threads, stop, scratch, normals);
   return status;
 }
 
@@ -138,6 +138,7 @@ struct Segmenter::Workspace {
   VoxelizeScratch voxelize;
   VoxelGrid grid;
   VoxelAdjacency adjacency;
+  NormalsScratch normals_scratch;
   std::vector<Vec3> normals;
   SeedScratch seeding;
   Seeds seeds;
@@ -157,7 +158,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
-  auto& [scratch, grid, adjacency, normals, seeding, seeds, growth, supervoxels, labels] = *workspace_;
+  auto& [scratch, grid, adjacency, normals_scratch, normals, seeding, seeds, growth, supervoxels, labels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -179,8 +180,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
     if (!status.ok()) return status;
   }
   status = options.method == Method::kBorder
-               ? border_normals(grid, cloud.view, settings, options.threads, stop, adjacency, normals)
-               : compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals);
+               ? border_normals(grid, cloud.view, settings, options.threads, stop, normals_scratch, adjacency, normals)
+               : compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals_scratch, normals);
   if (!status.ok()) return status;
   timings.normals = watch.lap();
 

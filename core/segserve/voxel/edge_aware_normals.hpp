@@ -7,6 +7,7 @@
 #include "segserve/math/vec3.hpp"
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/normals.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
 namespace segserve {
@@ -26,6 +27,14 @@ struct EdgeAwareOptions {
 /// In a CAMERA view the size of a voxel is voxel_resolution * z. CANCELLED, DEADLINE_EXCEEDED.
 absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
                             double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
-                            const StopToken& stop, std::vector<Vec3>& normals);
+                            const StopToken& stop, NormalsScratch& scratch, std::vector<Vec3>& normals);
+
+/// For those who do it once.
+inline absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
+                                   double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
+                                   const StopToken& stop, std::vector<Vec3>& normals) {
+  NormalsScratch scratch;
+  return refine_normals(grid, adjacency, view, voxel_resolution, options, threads, stop, scratch, normals);
+}
 
 }  // namespace segserve

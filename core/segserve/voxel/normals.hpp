@@ -7,9 +7,18 @@
 #include "segserve/math/vec3.hpp"
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/adjacency.hpp"
+#include "segserve/voxel/kernels/kernels.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
 namespace segserve {
+
+/// Buffers of `compute_normals` and `refine_normals` that are worth keeping between calls.
+struct NormalsScratch {
+  std::vector<Quad> centroid;           ///< V
+  std::vector<Quad> normal;             ///< V
+  std::vector<RingMoments> rings;       ///< V
+  std::vector<std::uint64_t> patterns;  ///< V
+};
 
 /// Turns a normal at `position` towards the sensor of `view`, which must have one (CAMERA, or WORLD
 /// with a position).
@@ -20,6 +29,13 @@ Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view);
 /// zero vector where no plane is defined. Turned towards the sensor; in a WORLD view without one,
 /// made consistent over each connected component, whose normals sum up to point upwards (+z).
 absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view, unsigned threads,
-                             const StopToken& stop, std::vector<Vec3>& normals);
+                             const StopToken& stop, NormalsScratch& scratch, std::vector<Vec3>& normals);
+
+/// For those who do it once.
+inline absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
+                                    unsigned threads, const StopToken& stop, std::vector<Vec3>& normals) {
+  NormalsScratch scratch;
+  return compute_normals(grid, adjacency, view, threads, stop, scratch, normals);
+}
 
 }  // namespace segserve

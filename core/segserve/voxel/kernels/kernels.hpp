@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "segserve/math/vec3.hpp"
+
+namespace segserve {
+
+/// x, y, z of a voxel, aligned so that they are one load; w is for whoever makes it.
+struct alignas(32) Quad {
+  double x, y, z, w;
+};
+
+inline Quad quad(const Vec3& v, double w) { return {v.x, v.y, v.z, w}; }
+
+/// Number, sum and second moments of the centroids of a voxel and its neighbours, about its own centroid.
+struct alignas(32) RingMoments {
+  double x, y, z, count;
+  double xx, xy, xz, yy;
+  double yz, zz, unused[2];
+};
+
+/// Neighbours as in VoxelAdjacency.
+struct NeighborRows {
+  const std::uint32_t* offset;
+  const std::uint32_t* neighbor;
+};
+
+/// What `refit` needs to know of all voxels, and of the options.
+struct RefitInput {
+  const Quad* centroid;  ///< w = 0
+  const Quad* normal;    ///< the first one
+  double angle_scale;    ///< of 1 - cosine in the exponent
+  double support;        ///< sum of weights up to which the first normal stays
+};
+
+/// A voxel to refit, and its neighbours; after them stand kRefitPadding more voxels, no matter which.
+struct RefitTask {
+  std::uint32_t voxel;
+  const std::uint32_t* neighbors;
+  std::size_t count;
+  double offset_scale;  ///< of the squared offset in the exponent
+};
+inline constexpr std::size_t kRefitPadding = 8;
+inline constexpr std::size_t kMostTwoRings = 124 + 4;
+
+/// The inner loops of the stages of voxels, compiled once for each kind of CPU. All give the same bytes.
+struct VoxelKernels {
+  /// Moments of the first rings of the voxels [begin, end). `centroid`: w = 0.
+  void (*ring_moments)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
+                       RingMoments* rings);
+  /// Normals, of either sign, of the planes through both rings of the voxels [begin, end).
+  void (*fit_planes)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
+                     const RingMoments* rings, Vec3* normals);
+  /// Where the neighbours of the voxels [begin, end) are, as bits; 0 if some are not among the 26 next ones.
+  void (*neighbor_patterns)(std::size_t begin, std::size_t end, const NeighborRows& rows, const std::uint64_t* keys,
+                            std::uint64_t* patterns);
+  /// Lists the distinct voxels within two steps of v: its neighbours, then the new ones of each of them. Returns their
+  /// number; 0 if a pattern is 0. `list` has room for kMostTwoRings.
+  std::size_t (*two_rings)(std::uint32_t v, const NeighborRows& rows, const std::uint64_t* patterns,
+                           std::uint32_t* list);
+  /// Gives each task's voxel its new normal (refine_normals); `normals` holds the first ones.
+  void (*refit)(const RefitInput& input, const RefitTask* tasks, std::size_t count, Vec3* normals);
+};
+
+/// Those for `cpu_in_use`.
+const VoxelKernels& voxel_kernels();
+
+}  // namespace segserve
