@@ -78,7 +78,7 @@ class SupportPlaneFinder {
   /// The planes of random voxels and their normals.
   std::vector<Guess> guess() const {
     std::vector<Guess> guesses;
-    for (std::uint32_t i = 0; i < kGuesses; ++i) {
+    for (std::uint32_t i = 0; i < kGuesses && !check_.stopped(); ++i) {
       const std::uint32_t v = samples_[i];
       const Plane plane = plane_at(v);
       if (may_support(plane.normal)) guesses.push_back({v, rank(plane, kWidening[0])});
