@@ -103,6 +103,16 @@ SEGSERVE_INLINE Real square_root(Real v) {
 #endif
 }
 
+SEGSERVE_INLINE bool any(Int mask) {
+#if defined(__AVX2__)
+  return __builtin_ia32_movmskps256(reinterpret_cast<Float>(mask)) != 0;
+#elif defined(__SSE2__)
+  return __builtin_ia32_movmskps(reinterpret_cast<Float>(mask)) != 0;
+#else
+  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+#endif
+}
+
 SEGSERVE_INLINE bool any(RealMask mask) {
 #if defined(__AVX2__)
   return __builtin_ia32_movmskpd256(reinterpret_cast<Real>(mask)) != 0;

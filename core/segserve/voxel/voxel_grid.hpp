@@ -9,14 +9,10 @@
 #include "segserve/math/vec3.hpp"
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/selection.hpp"
+#include "segserve/voxel/voxel_key.hpp"
+#include "segserve/voxel/voxelizer.hpp"
 
 namespace segserve {
-
-/// Cell of a voxel: three signed 21-bit coordinates, z in the highest bits, each biased by 2^20, so
-/// that keys sort by z, then y, then x.
-using VoxelKey = std::uint64_t;
-inline constexpr int kCellBits = 21;
-inline constexpr std::int32_t kCellBias = 1 << (kCellBits - 1);
 
 /// The occupied voxels of a cloud, in ascending order of their keys. The grid's origin is fixed, and
 /// sums are taken in integers: voxels depend neither on the order of the points nor on threads.
@@ -44,11 +40,9 @@ inline double voxel_edge(double resolution, const View& view, const Vec3& positi
 
 /// Buffers of `voxelize` that are worth keeping between calls.
 struct VoxelizeScratch {
-  struct Part;  // what one thread gathers
-  std::vector<Part> parts;
-  std::vector<std::uint32_t> order;
-  VoxelizeScratch();
-  ~VoxelizeScratch();
+  std::vector<VoxelPart> parts;       ///< of each thread
+  std::vector<std::uint64_t> ranked;  ///< V: keys without the bits that all share
+  std::vector<std::uint32_t> order;   ///< V
 };
 
 /// Sorts the finite points of the selection into voxels of edge `resolution` (metres; in a CAMERA view the cells are

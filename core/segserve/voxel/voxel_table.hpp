@@ -4,69 +4,80 @@
 #include <cstdint>
 #include <vector>
 
-#include "segserve/voxel/voxel_grid.hpp"
+#include "segserve/voxel/voxel_key.hpp"
 
 namespace segserve {
 
-/// Open-addressing hash table from voxel keys to consecutive slots 1, 2, ..; load at most one half.
+/// A voxel and integer sums over its points: exact, so their order does not matter. One cache line.
+struct alignas(64) VoxelSums {
+  VoxelKey key = 0;
+  std::int64_t x = 0, y = 0, z = 0;  // fixed point
+  std::uint64_t red = 0, green = 0, blue = 0;
+  std::uint64_t points = 0;
+
+  void add(const VoxelSums& o) {
+    x += o.x, y += o.y, z += o.z;
+    red += o.red, green += o.green, blue += o.blue;
+    points += o.points;
+  }
+};
+
+/// Open-addressing hash table from voxel keys to consecutive slots 1, 2, ..; load at most one half. It holds the slots
+/// alone, and compares the keys in the sums, which are needed next anyway.
 class VoxelTable {
  public:
   VoxelTable() { clear(); }
 
   void clear() {
-    if (keys_.size() > kSmallest && keys_.size() > 16 * std::size_t{count_}) {
-      keys_.resize(kSmallest);  // a small cloud after a large one must not pay for the large table
-      slots_.resize(kSmallest);
+    if (places_.size() > kSmallest && places_.size() > 16 * voxels_.size()) {
+      places_.resize(kSmallest);  // a small cloud after a large one must not pay for the large table
     }
-    keys_.assign(keys_.empty() ? kSmallest : keys_.size(), kFree);
-    slots_.resize(keys_.size());
-    count_ = 0;
+    places_.assign(places_.empty() ? kSmallest : places_.size(), 0);
+    voxels_.clear();
   }
 
-  std::uint32_t size() const { return count_; }
+  /// In the order of their slots.
+  const std::vector<VoxelSums>& voxels() const { return voxels_; }
+  VoxelSums& voxel(std::uint32_t slot) { return voxels_[slot - 1]; }
 
-  /// The key's slot; a new key gets slot size() + 1.
-  std::uint32_t find_or_insert(VoxelKey key) {
-    std::size_t place = home(key);
-    while (keys_[place] != key) {
-      if (keys_[place] == kFree) {
-        if (2 * (std::size_t{count_} + 1) > keys_.size()) {
-          grow();
-          return find_or_insert(key);
-        }
-        keys_[place] = key;
-        return slots_[place] = ++count_;
-      }
-      place = (place + 1) & (keys_.size() - 1);
+  static std::uint32_t hash(VoxelKey key) { return static_cast<std::uint32_t>((key * 0x9e3779b97f4a7c15ULL) >> 32U); }
+
+  // Both on the way to find_or_insert, the one long before the other: where the table is larger than the caches, many
+  // look-ups wait for memory at the same time.
+  void prefetch_place(std::uint32_t hash) const { __builtin_prefetch(&places_[home(hash)]); }
+  void prefetch_voxel(std::uint32_t hash) const { __builtin_prefetch(voxels_.data() + places_[home(hash)] - 1); }
+
+  /// The key's slot; a new key gets the next one, its sums 0.
+  std::uint32_t find_or_insert(VoxelKey key, std::uint32_t hash) {
+    std::size_t place = home(hash);
+    for (; places_[place] != 0; place = after(place)) {
+      if (voxels_[places_[place] - 1].key == key) return places_[place];
     }
-    return slots_[place];
+    if (2 * (voxels_.size() + 1) > places_.size()) {
+      grow();
+      return find_or_insert(key, hash);
+    }
+    voxels_.emplace_back().key = key;
+    return places_[place] = static_cast<std::uint32_t>(voxels_.size());
   }
 
  private:
-  static constexpr VoxelKey kFree = ~VoxelKey{0};  // keys use 63 bits
   static constexpr std::size_t kSmallest = std::size_t{1} << 15U;
 
-  std::size_t home(VoxelKey key) const {
-    return static_cast<std::size_t>((key * 0x9e3779b97f4a7c15ULL) >> 32U) & (keys_.size() - 1);
-  }
+  std::size_t home(std::uint32_t hash) const { return hash & (places_.size() - 1); }
+  std::size_t after(std::size_t place) const { return (place + 1) & (places_.size() - 1); }
 
   void grow() {
-    std::vector<VoxelKey> old_keys(2 * keys_.size(), kFree);
-    std::vector<std::uint32_t> old_slots(old_keys.size());
-    old_keys.swap(keys_);
-    old_slots.swap(slots_);
-    for (std::size_t i = 0; i < old_keys.size(); ++i) {
-      if (old_keys[i] == kFree) continue;
-      std::size_t place = home(old_keys[i]);
-      while (keys_[place] != kFree) place = (place + 1) & (keys_.size() - 1);
-      keys_[place] = old_keys[i];
-      slots_[place] = old_slots[i];
+    places_.assign(2 * places_.size(), 0);
+    for (std::size_t i = 0; i < voxels_.size(); ++i) {
+      std::size_t place = home(hash(voxels_[i].key));
+      while (places_[place] != 0) place = after(place);
+      places_[place] = static_cast<std::uint32_t>(i + 1);
     }
   }
 
-  std::vector<VoxelKey> keys_;
-  std::vector<std::uint32_t> slots_;
-  std::uint32_t count_ = 0;
+  std::vector<std::uint32_t> places_;  // slots, 0 where free
+  std::vector<VoxelSums> voxels_;
 };
 
 }  // namespace segserve

@@ -2,17 +2,25 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "segserve/pipeline/segment.hpp"
 #include "segserve/synth/scene.hpp"
+#include "segserve/voxel/kernels/kernels.hpp"
+#include "segserve/voxel/voxel_key.hpp"
 #include "test/core/support/clouds.hpp"
 
 namespace segserve {
 namespace {
 
 bool selects(const Options& options, float x, float y, float z, const View& view = View::camera()) {
-  return Selection(options, view).mask(x, y, z) != 0;
+  const Selection selection(options, view);
+  const CellInput in{&x, &y, &z, false, 1, 1, &selection.limits()};
+  std::array<std::uint64_t, 8> keys{};
+  std::array<std::int32_t, 8> fixed_x{}, fixed_y{}, fixed_z{};
+  voxel_kernels().find_cells(in, 1, {keys.data(), fixed_x.data(), fixed_y.data(), fixed_z.data()});
+  return keys[0] != kNoKey;
 }
 
 TEST(Selection, IsEverythingUnlessSomethingIsAsked) {

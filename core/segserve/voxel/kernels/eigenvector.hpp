@@ -1,5 +1,5 @@
 // Part of the kernels; see math/lanes.hpp. smallest_eigenvector of math/symmetric3, for as many matrices as a vector
-// has lanes: 65 -> 12 ns a matrix.
+// has lanes.
 #pragma once
 
 #include "segserve/math/lanes.hpp"

@@ -45,8 +45,31 @@ struct RefitTask {
 inline constexpr std::size_t kRefitPadding = 8;
 inline constexpr std::size_t kMostTwoRings = 124 + 4;
 
+/// Limits of a Selection; all of them are closed.
+struct SelectionLimits {
+  float low[3], high[3];
+  float sensor[3];
+  float nearest_squared, farthest_squared;
+};
+
+/// Points, and how they become cells (CellMapping).
+struct CellInput {
+  const float *x, *y, *z;
+  bool camera;
+  float cells_per_metre, units_per_metre;
+  const SelectionLimits* selection;  ///< null: all
+};
+
+/// A key (kNoKey: not finite, or not selected) and fixed-point coordinates for each point; room for 7 more points.
+struct CellOutput {
+  std::uint64_t* keys;
+  std::int32_t *x, *y, *z;
+};
+
 /// The inner loops of the stages of voxels, compiled once for each kind of CPU. All give the same bytes.
 struct VoxelKernels {
+  /// The cells of `count` points. Returns the first point that is selected, finite and has no cell; else `count`.
+  std::size_t (*find_cells)(const CellInput& in, std::size_t count, const CellOutput& out);
   /// Moments of the first rings of the voxels [begin, end). `centroid`: w = 0.
   void (*ring_moments)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
                        RingMoments* rings);

@@ -1,4 +1,4 @@
-// Part of the kernels; see math/lanes.hpp. Planes through weighted neighbours: 13 -> 5 ms a frame.
+// Part of the kernels; see math/lanes.hpp. Planes through weighted neighbours: 8.5 -> 4.6 ms a frame.
 #pragma once
 
 #include "segserve/math/lanes.hpp"

@@ -1,6 +1,7 @@
 // Part of the kernels; see math/lanes.hpp.
 #pragma once
 
+#include "segserve/voxel/kernels/cells.hpp"
 #include "segserve/voxel/kernels/moments.hpp"
 #include "segserve/voxel/kernels/refit.hpp"
 #include "segserve/voxel/kernels/two_rings.hpp"
@@ -8,6 +9,6 @@
 namespace segserve::SEGSERVE_KERNELS {
 
 extern const VoxelKernels kVoxelKernels;
-const VoxelKernels kVoxelKernels{ring_moments, fit_planes, neighbor_patterns, two_rings, refit};
+const VoxelKernels kVoxelKernels{find_cells, ring_moments, fit_planes, neighbor_patterns, two_rings, refit};
 
 }  // namespace segserve::SEGSERVE_KERNELS

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "segserve/cloud/cloud.hpp"
+#include "segserve/pipeline/stop_token.hpp"
+#include "segserve/voxel/cell.hpp"
+#include "segserve/voxel/kernels/kernels.hpp"
+#include "segserve/voxel/selection.hpp"
+#include "segserve/voxel/voxel_table.hpp"
+
+namespace segserve {
+
+/// What one thread gathers.
+struct VoxelPart {
+  VoxelTable table;
+  std::size_t first_invalid = SIZE_MAX;
+  std::size_t finite_points = 0;
+};
+
+/// Voxelises a contiguous range of points, in chunks that stay in the first cache.
+class RangeVoxelizer {
+ public:
+  RangeVoxelizer(const CloudView& cloud, const Selection& selection, const CellMapping& mapping, VoxelPart& part,
+                 std::span<std::uint32_t> slot_of_point)
+      : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
+
+  void run(std::size_t begin, std::size_t end, StopCheck& check);
+
+ private:
+  static constexpr std::size_t kChunk = 512;
+  static constexpr std::size_t kRoom = 8;  // beyond the end of a chunk, for those who write in eights
+
+  template <typename T>
+  using PerPoint = std::array<T, kChunk + kRoom>;
+
+  bool find_cells(std::size_t first, std::size_t count);
+  void count_finite(std::size_t first, std::size_t count);
+  void sum_up(std::size_t first, std::size_t count);
+  std::size_t find_runs(std::size_t count);
+  void find_slots(std::size_t runs);
+  std::uint32_t add_run(std::size_t run);
+
+  const CloudView& cloud_;
+  const Selection& selection_;
+  const CellMapping& mapping_;
+  VoxelPart& part_;
+  std::span<std::uint32_t> slot_of_point_;
+  const VoxelKernels& kernels_ = voxel_kernels();
+
+  PerPoint<VoxelKey> keys_;
+  PerPoint<std::int32_t> x_, y_, z_;  // fixed point
+  // Sums over the points of the chunk before each one. The three of a colour share a word: 512 times 255 is below 2^21.
+  PerPoint<std::int64_t> sum_x_, sum_y_, sum_z_;
+  PerPoint<std::uint64_t> sum_color_{};
+  PerPoint<std::uint32_t> run_begin_, hash_, slots_;
+};
+
+}  // namespace segserve
