@@ -1,5 +1,6 @@
 #include "segserve/pipeline/segment.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <numeric>
 #include <utility>
@@ -195,6 +196,9 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   // The region adjacency graph G^m.
   const RegionGraph graph =
       build_region_graph(grid, adjacency, normals, supervoxels, cloud.view, settings.voxel_resolution, stop);
+  result.supervoxel_normals.resize(graph.regions.size());
+  StopCheck(stop).for_each(0, graph.regions.size(),
+                           [&](std::size_t s) { result.supervoxel_normals[s] = graph.regions[s].normal_sum; });
   if (status = stop.check(); !status.ok()) return status;
   timings.graph = watch.lap();
 
@@ -224,6 +228,27 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
 
 absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop) {
   return Segmenter().segment(cloud, options, stop);
+}
+
+absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation) {
+  Stopwatch watch;
+  const std::uint32_t segments = std::min(segmentation.segments, kMostDescribedSegments);
+  auto statistics = describe_segments(cloud, segmentation.labels, segments, threads, stop);
+  if (!statistics.ok()) return statistics.status();
+  if (!segmentation.supervoxel_normals.empty()) {
+    std::vector<std::uint32_t> segment_of_leaf(segmentation.supervoxel_normals.size());
+    StopCheck(stop).for_each(0, cloud.size(), [&](std::size_t i) {
+      const std::uint32_t supervoxel = segmentation.supervoxels[i];
+      if (supervoxel > 0) segment_of_leaf[supervoxel - 1] = segmentation.labels[i];
+    });
+    if (absl::Status status = stop.check(); !status.ok()) return status;
+    set_normals(segmentation.supervoxel_normals, segment_of_leaf, *statistics, stop);
+    if (absl::Status status = stop.check(); !status.ok()) return status;
+  }
+  segmentation.statistics = *std::move(statistics);
+  segmentation.timings.segments = watch.lap();
+  segmentation.timings.total += segmentation.timings.segments;
+  return absl::OkStatus();
 }
 
 }  // namespace segserve

@@ -8,9 +8,11 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
+#include "segserve/math/vec3.hpp"
 #include "segserve/options/options.hpp"
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/plane/support_plane.hpp"
+#include "segserve/segments/segment_statistics.hpp"
 #include "segserve/tree/merge_tree.hpp"
 
 namespace segserve {
@@ -23,6 +25,7 @@ struct StageTimings {
   double graph = 0;        ///< region features, region adjacency graph
   double merging = 0;      ///< weights and the merge tree
   double labels = 0;       ///< cut, labels of the input points
+  double segments = 0;     ///< statistics of the segments, if asked for: see describe
   double total = 0;
 };
 
@@ -33,6 +36,9 @@ struct Segmentation {
   std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
   MergeTree tree;                          ///< the whole hierarchy; cut it anew without segmenting again
   std::uint32_t segments = 0;
+  /// Of the segments, largest first, kMostDescribedSegments at most; empty unless asked for: see describe.
+  std::vector<SegmentStatistics> statistics;
+  std::vector<Vec3> supervoxel_normals;       ///< m: sums of the unit normals of each supervoxel's voxels
   std::size_t finite_points = 0;              ///< segmented or not
   std::size_t segmented_points = 0;           ///< with a label other than 0: the sum over the tree's leaves
   std::optional<SupportPlane> support_plane;  ///< set if its removal was asked for
@@ -63,5 +69,9 @@ class Segmenter {
 
 /// The same for a single cloud.
 absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
+
+/// Sets the statistics of a segmentation of this cloud, and the time that took. They have normals if it has those of
+/// its supervoxels. Errors: see describe_segments.
+absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation);
 
 }  // namespace segserve
