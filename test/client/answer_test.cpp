@@ -85,6 +85,19 @@ TEST_F(AnswerTest, AnAnswerWithoutTheArraysAskedForIsBroken) {
   EXPECT_THAT(std::string(call().message()), HasSubstr("lacks"));
 }
 
+TEST_F(AnswerTest, AnAnswerWithoutTheSegmentsAskedForIsBroken) {
+  service_.answer = [](SegmentResponse& response) {
+    fill_summary(response);
+    return grpc::Status::OK;
+  };
+  const auto client = Client::connect({.address = address_});
+  const auto ask = [&](wire::Outputs outputs) {
+    return client->segment(flat_cloud(4, 4), {}, {.outputs = outputs}).status();
+  };
+  EXPECT_TRUE(ask({.labels = false}).ok());
+  EXPECT_TRUE(absl::IsInternal(ask({.labels = false, .segments = true})));
+}
+
 TEST_F(AnswerTest, TheMessageNamesFieldsThatTheServersMessageDoesNot) {
   service_.answer = [](SegmentResponse&) {
     wire::ErrorDetails details;

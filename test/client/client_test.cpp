@@ -130,6 +130,28 @@ TEST_F(ClientTest, ReturnsOnlyTheArraysAskedFor) {
   EXPECT_EQ(remote->segmentation.tree.leaf_count(), 0U);
 }
 
+TEST_F(ClientTest, DescribesSegmentsIfAskedToOverAnyWay) {
+  const Cloud cloud = table_scene();
+  Segmentation local = segment(cloud, {}).value();
+  ASSERT_TRUE(describe(cloud, 1, {}, local).ok());
+  const CallOptions call{.outputs = {.segments = true}};
+  const auto remote = client().segment(cloud, {}, call);
+  ASSERT_TRUE(remote.ok()) << remote.status();
+  EXPECT_EQ(remote->segmentation.statistics, local.statistics);
+  EXPECT_TRUE(client().segment(cloud)->segmentation.statistics.empty());
+
+  auto stream = client().open_stream({.outputs = call.outputs}).value();
+  ASSERT_TRUE(stream.send(cloud).ok());
+  const auto outcome = stream.next();
+  ASSERT_TRUE(outcome && outcome->result);
+  EXPECT_EQ(outcome->result->segmentation.statistics, local.statistics);
+
+  const auto alone = Client::connect({.address = "127.0.0.1:1", .fallback_to_local = true});
+  const auto here = alone->segment(cloud, {}, call);
+  ASSERT_TRUE(here.ok()) << here.status();
+  EXPECT_EQ(here->segmentation.statistics, local.statistics);
+}
+
 TEST_F(ClientTest, NamesEveryWrongOption) {
   Options options;
   options.voxel_resolution = -1;

@@ -210,8 +210,9 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
     const Options options =
         wire::from_message(header.has_options() ? header.options() : open.options(), Options{}, faults);
     const v1alpha1::Outputs& asked = header.has_outputs() ? header.outputs() : open.outputs();
-    const wire::Outputs outputs{asked.labels(), asked.supervoxels(), asked.tree(), v1alpha1::COMPRESSION_ZSTD};
-    const auto result = segment_here(Payload(header.cloud(), header.points()), options, StopToken());
+    const wire::Outputs outputs{asked.labels(), asked.supervoxels(), asked.tree(), asked.segments(),
+                                v1alpha1::COMPRESSION_ZSTD};
+    const auto result = segment_here(Payload(header.cloud(), header.points()), options, outputs, StopToken());
     if (!result.ok()) return fail(stream, header, result.status());
     v1alpha1::SegmentStreamResponse response;
     v1alpha1::FrameOutcome& outcome = *response.mutable_outcome();

@@ -48,6 +48,16 @@ TEST(ResultFile, KeepsEverythingThatACutNeeds) {
   EXPECT_EQ(after->server_version, "1.2.3");
 }
 
+TEST(ResultFile, KeepsWhatIsKnownOfTheSegments) {
+  Result before = make_result(table_scene());
+  ASSERT_TRUE(describe(table_scene(), 1, {}, before.segmentation).ok());
+  const auto after = decode_result_file(encode_result_file(before).value());
+  ASSERT_TRUE(after.ok()) << after.status();
+  EXPECT_EQ(after->segmentation.statistics, before.segmentation.statistics);
+  EXPECT_FALSE(after->segmentation.statistics.empty());
+  EXPECT_TRUE(decode_result_file(saved())->segmentation.statistics.empty());
+}
+
 TEST(ResultFile, KeepsAResultWithoutAnyFinitePoint) {
   Cloud cloud = flat_cloud(4, 4);
   for (float& z : cloud.z) z = std::numeric_limits<float>::quiet_NaN();

@@ -48,6 +48,14 @@ class Batch(EndToEnd):
         self.assertEqual((done.returncode, done.stderr), (SUCCESS, b""))
         self.assertEqual(self.contents(), through_server)
 
+    def test_describes_segments_in_the_summaries(self):
+        self.batch("--segments")
+        told = json.loads((self.outputs / "scene2.json").read_text())
+        expected = self.segment_locally(self.inputs / "scene2.pcd", "--segments")[1]["segment_statistics"]
+        self.assertEqual(told["segment_statistics"], expected)
+        self.assertEqual(set(self.states(self.batch("--segments", where=("--local",))).values()), {"skipped"})
+        self.assertEqual(set(self.states(self.batch()).values()), {"segmented"}, "it is asked for something else")
+
     def test_goes_on_where_it_stopped(self):
         self.batch()
         (self.outputs / "scene2.pcd").unlink()

@@ -55,6 +55,15 @@ class Cut(EndToEnd):
                 self.assertIn(str(path), self.run_badly(BAD_INPUT, "cut", path, "--regions", "3"))
         self.run_badly(BAD_INPUT, "cut", self.path("missing.segres"), "--regions", "3")
 
+    def test_describes_the_segments_of_the_new_cut(self):
+        done = self.run_well("cut", self.result, "--regions", "7", "--cloud", self.scene, "--segments", "--json", "-")
+        _, told = self.segment(self.scene, "--regions", "7", "--segments")
+        expected = [segment | {"normal": None} for segment in told["segment_statistics"]]
+        self.assertEqual(json.loads(done.stdout)["segment_statistics"], expected)
+        for flags in (("--json", "-"), ("--cloud", self.scene)):
+            line = self.run_badly(BAD_INPUT, "cut", self.result, "--regions", "7", "--segments", *flags)
+            self.assertIn("--segments needs --cloud", line)
+
     def test_refuses_another_scenes_cloud(self):
         other = self.synth("--width", "100", "--height", "100")
         output = self.path("out.pcd")

@@ -3,7 +3,7 @@ import json
 import struct
 import unittest
 
-from harness import EndToEnd
+from harness import BAD_INPUT, EndToEnd
 import pcd
 
 SMALL = ("--width", "160", "--height", "120")
@@ -132,6 +132,32 @@ class Summary(EndToEnd):
         self.assertIn(f"support plane removed: {plane['points']} points", said)
         none = self.run_well("segment", scene, "--local", "--view", "world:0,0,0", *flags).stdout.decode()
         self.assertIn("no support plane found", none)
+
+    def test_segments_are_described(self):
+        scene = self.synth(*SMALL)
+        labels, told = self.segment(scene, "--segments")
+        segments = told["segment_statistics"]
+        self.assertEqual([s["label"] for s in segments], list(range(1, told["segments"] + 1)))
+        self.assertEqual([s["points"] for s in segments], told["segment_points"])
+        self.assertGreater(told["timings_ms"]["segments"], 0)
+        x, y, z, color = pcd.read_points(scene)
+        for s in segments:
+            mine = [i for i, label in enumerate(labels) if label == s["label"]]
+            for axis, values in enumerate((x, y, z)):
+                self.assertAlmostEqual(s["centroid"][axis], sum(values[i] for i in mine) / len(mine), places=6)
+            self.assertAlmostEqual(s["color"][2], sum(color[i] & 255 for i in mine) / len(mine), places=6)
+            for axis, half in zip(s["box"]["axes"], s["box"]["half_extents"]):
+                along = [sum(a * (v[i] - c) for a, v, c in zip(axis, (x, y, z), s["box"]["center"])) for i in mine]
+                self.assertAlmostEqual(max(along), half, places=6)
+                self.assertAlmostEqual(min(along), -half, places=6)
+        normal, centroid = segments[0]["normal"], segments[0]["centroid"]
+        self.assertLess(sum(n * c for n, c in zip(normal, centroid)), 0, "it faces the camera")
+        self.assertEqual(self.segment_locally(scene, "--segments")[1]["segment_statistics"], segments)
+        self.assertNotIn("segment_statistics", self.segment(scene)[1])
+
+    def test_descriptions_of_segments_need_a_place_to_go(self):
+        line = self.run_badly(BAD_INPUT, "segment", self.synth(*SMALL), "--local", "--segments")
+        self.assertIn("--segments needs --json, --result or --out-dir", line)
 
     def test_threshold_is_null_after_a_cut_at_regions(self):
         labels, told = self.segment(self.synth(*SMALL), "--regions", "6")

@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "segserve/cloud/cloud.hpp"
+#include "segserve/segments/segment_statistics.hpp"
 #include "segserve/tree/merge_tree.hpp"
 
 namespace segserve::wire {
@@ -60,6 +62,20 @@ inline MergeTree chain_tree(std::uint32_t leaves) {
   }
   columns.merged_rows = leaves / 2;
   return complete(std::move(columns)).value();
+}
+
+/// Of two segments with 4 and 1 points; only the first has colour and normal.
+inline std::vector<SegmentStatistics> small_statistics() {
+  SegmentStatistics first, second;
+  first.points = 4;
+  first.centroid = {0.1, -2, 1e-3};
+  first.box = {
+      .center = {0.2, -2.5, 0}, .axes = {{{0, 1, 0}, {0.6, 0, 0.8}, {0.8, 0, -0.6}}}, .half_extents = {3, 2, 0}};
+  first.color = {12.5, 0, 255};
+  first.normal = {0, -0.6, 0.8};
+  second.points = 1;
+  second.centroid = second.box.center = {1.0 / 3, 7, -1e9};
+  return {first, second};
 }
 
 }  // namespace segserve::wire

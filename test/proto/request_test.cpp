@@ -23,7 +23,8 @@ TEST(WireRequest, WithoutOutputsMeansPlainLabels) {
 }
 
 TEST(WireRequest, OutputsRoundTrip) {
-  const Outputs outputs{.labels = false, .supervoxels = true, .tree = true, .compression = v1alpha1::COMPRESSION_ZSTD};
+  const Outputs outputs{
+      .labels = false, .supervoxels = true, .tree = true, .segments = true, .compression = v1alpha1::COMPRESSION_ZSTD};
   v1alpha1::SegmentRequest request = good_request();
   *request.mutable_outputs() = to_message(outputs);
   EXPECT_EQ(parse_request(request, {})->outputs, outputs);

@@ -13,7 +13,7 @@
 namespace segserve::wire {
 namespace {
 
-constexpr Outputs kEverything{.labels = true, .supervoxels = true, .tree = true};
+constexpr Outputs kEverything{.labels = true, .supervoxels = true, .tree = true, .segments = true};
 
 /// Six points, the last not finite; two segments of three supervoxels (see small_tree).
 Result small_result() {
@@ -22,12 +22,14 @@ Result small_result() {
   result.segmentation.supervoxels = {1, 1, 2, 2, 3, 0};
   result.segmentation.tree = small_tree();
   result.segmentation.segments = 2;
+  result.segmentation.statistics = small_statistics();
   result.segmentation.finite_points = 5;
   result.segmentation.segmented_points = 5;
   result.segmentation.voxels = 4;
   result.segmentation.threshold = 0.5;
   result.segmentation.lambda = 0.25;
-  result.segmentation.timings = {.voxels = 1, .normals = 2, .supervoxels = 3, .graph = 4, .merging = 5, .labels = 6};
+  result.segmentation.timings = {
+      .voxels = 1, .normals = 2, .supervoxels = 3, .graph = 4, .merging = 5, .labels = 6, .segments = 10};
   result.points = 6;
   result.supervoxels = 3;
   result.method = Method::kColor;
@@ -68,7 +70,9 @@ TEST(WireResult, RoundTrips) {
     EXPECT_EQ(read->segmentation.voxels, 4U);
     EXPECT_EQ(read->segmentation.lambda, 0.25);
     EXPECT_EQ(read->segmentation.timings.merging, 5);
-    EXPECT_EQ(read->segmentation.timings.total, 21) << "of the stages";
+    EXPECT_EQ(read->segmentation.statistics, expected.segmentation.statistics);
+    EXPECT_EQ(read->segmentation.timings.segments, 10);
+    EXPECT_EQ(read->segmentation.timings.total, 31) << "of the stages";
     EXPECT_EQ(read->supervoxels, 3U);
     EXPECT_EQ(read->method, Method::kColor);
     EXPECT_EQ(read->segmentation.threshold, 0.5);
@@ -98,6 +102,7 @@ TEST(WireResult, HoldsOnlyWhatWasAskedFor) {
   const auto message = to_message(small_result(), {.labels = false, .supervoxels = false, .tree = true});
   EXPECT_FALSE(message->has_labels());
   EXPECT_FALSE(message->has_supervoxels());
+  EXPECT_EQ(message->segments_size(), 0);
   const auto read = from_message(*message, 6);
   ASSERT_TRUE(read.ok()) << read.status();
   EXPECT_TRUE(read->segmentation.labels.empty());
@@ -154,6 +159,10 @@ TEST(WireResult, MustAgreeWithItself) {
 
   message = small_message();
   message.mutable_summary()->mutable_support_plane()->set_points(1);  // but all 5 finite ones are segmented
+  refusal(message);
+
+  message = small_message();
+  message.mutable_segments(0)->set_points(3);  // of 4
   refusal(message);
 
   message = small_message();

@@ -13,7 +13,7 @@ namespace segserve::server {
 namespace {
 
 constexpr wire::Outputs kEverything{
-    .labels = true, .supervoxels = true, .tree = true, .compression = v1alpha1::COMPRESSION_ZSTD};
+    .labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1alpha1::COMPRESSION_ZSTD};
 
 /// What the server answers, back as core's types.
 wire::Result ask(RunningServer& server, v1alpha1::SegmentRequest request, std::size_t points) {
@@ -107,6 +107,22 @@ TEST(Segment, EveryMethodAndCutGivesTheLabelsOfALocalRun) {
   }
 }
 
+TEST(Segment, DescribesTheSegmentsOfWhatItDecoded) {
+  RunningServer server;
+  const Cloud cloud = wall_with_box();
+  for (const wire::Codec codec : {wire::Codec::kPlanar, wire::Codec::kQuantised}) {
+    v1alpha1::SegmentRequest request;
+    *request.mutable_cloud() = wire::to_message(cloud, {.codec = codec}).value();
+    const Cloud decoded = wire::decode_cloud(request.cloud(), {}).value().cloud;
+    Segmentation local = segment(decoded, {}).value();
+    ASSERT_TRUE(describe(decoded, 1, {}, local).ok());
+    ASSERT_GE(local.statistics.size(), 2U);
+    const wire::Result result = ask(server, request, cloud.size());
+    EXPECT_EQ(result.segmentation.statistics, local.statistics);
+    EXPECT_GT(result.segmentation.timings.segments, 0);
+  }
+}
+
 TEST(Segment, LeavesOutWhatTheOptionsSay) {
   RunningServer server;
   const Cloud cloud = wall_with_box();
@@ -151,6 +167,8 @@ TEST(Segment, SendsOnlyWhatWasAskedFor) {
   EXPECT_EQ(labels_only->result().labels().data().compression(), v1alpha1::COMPRESSION_NONE);
   EXPECT_FALSE(labels_only->result().has_supervoxels());
   EXPECT_FALSE(labels_only->result().has_tree());
+  EXPECT_EQ(labels_only->result().segments_size(), 0);
+  EXPECT_EQ(labels_only->result().summary().timings().segments_ms(), 0);
 
   v1alpha1::SegmentRequest request = request_for(wall_with_box());
   request.mutable_outputs()->set_tree(true);

@@ -188,7 +188,7 @@ absl::StatusOr<Setup::Frame> prepare(const LoadOptions& options, const Encoding&
   auto payload = encoding.encode(cloud);  // in any case: what cannot be encoded is found before the run
   if (!payload.ok()) return payload.status();
   if (options.verify) {
-    auto local = client::segment_here(*payload, options.stream.options, StopToken());
+    auto local = client::segment_here(*payload, options.stream.options, {}, StopToken());
     if (!local.ok()) return local.status();
     frame.labels = std::move(local->segmentation.labels);
   }

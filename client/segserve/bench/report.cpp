@@ -53,6 +53,7 @@ void Report::add(const client::Outcome& outcome, const FrameRecord& record) {
                                                core.graph,
                                                core.merging,
                                                core.labels,
+                                               core.segments,
                                                call.encode,
                                                outcome.report.decode_ms,
                                                0,

@@ -13,9 +13,9 @@
 namespace segserve::bench {
 
 /// Where the time of a frame goes, in order. "rest" is what is left: the transport above all.
-inline constexpr std::array<std::string_view, 14> kStages = {
-    "client_encode", "client_wait", "queue",  "decode", "voxels",        "normals", "supervoxels",
-    "graph",         "merging",     "labels", "encode", "client_decode", "rest",    "total"};
+inline constexpr std::array<std::string_view, 15> kStages = {
+    "client_encode", "client_wait", "queue",    "decode", "voxels",        "normals", "supervoxels", "graph",
+    "merging",       "labels",      "segments", "encode", "client_decode", "rest",    "total"};
 
 /// What became of one frame of a load test.
 struct FrameRecord {

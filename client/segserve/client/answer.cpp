@@ -1,5 +1,6 @@
 #include "segserve/client/answer.hpp"
 
+#include <algorithm>
 #include <string>
 
 #include "fmt/format.h"
@@ -13,7 +14,8 @@ absl::StatusOr<wire::Result> check_answer(absl::StatusOr<wire::Result> result, c
   const Segmentation& got = result->segmentation;
   const bool complete = (!wanted.labels || got.labels.size() == result->points) &&
                         (!wanted.supervoxels || got.supervoxels.size() == result->points) &&
-                        (!wanted.tree || got.tree.leaf_count() == result->supervoxels);
+                        (!wanted.tree || got.tree.leaf_count() == result->supervoxels) &&
+                        (!wanted.segments || got.statistics.size() == std::min(got.segments, kMostDescribedSegments));
   if (!complete) return absl::InternalError("the answer is broken: it lacks arrays that were asked for");
   return result;
 }

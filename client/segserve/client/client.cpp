@@ -96,7 +96,7 @@ absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& op
   if (request.ok()) {
     auto result = call_segment(*request, call, cloud.size());
     if (!is_local_turn(result.status())) return result;
-    return segment_here(Payload(request->cloud(), cloud.size()), options, StopToken());
+    return segment_here(Payload(request->cloud(), cloud.size()), options, call.outputs, StopToken());
   }
   if (!is_too_large(request.status())) return request.status();
   const bool compress = call.compress != Compress::kNever;
@@ -112,7 +112,7 @@ absl::StatusOr<Result> Client::segment_payload(const Payload& payload, const Opt
   if (!request.ok()) return or_else(stream_one(payload, options, call), request.status());
   auto result = call_segment(*request, call, std::nullopt);
   if (!is_local_turn(result.status())) return result;
-  return segment_here(payload, options, StopToken());
+  return segment_here(payload, options, call.outputs, StopToken());
 }
 
 bool Client::is_local_turn(const absl::Status& status) const {

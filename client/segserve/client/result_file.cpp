@@ -80,8 +80,11 @@ absl::Status check_payload(std::string_view payload, const Header& header) {
 }  // namespace
 
 absl::StatusOr<std::string> encode_result_file(const Result& result) {
-  const wire::Outputs outputs{
-      .labels = true, .supervoxels = true, .tree = true, .compression = v1alpha1::COMPRESSION_ZSTD};
+  const wire::Outputs outputs{.labels = true,
+                              .supervoxels = true,
+                              .tree = true,
+                              .segments = !result.segmentation.statistics.empty(),
+                              .compression = v1alpha1::COMPRESSION_ZSTD};
   auto message = wire::to_message(result, outputs);
   if (!message.ok()) return message.status();
   v1alpha1::SegmentResponse response;

@@ -168,7 +168,8 @@ std::optional<StreamCore::LocalJob> StreamCore::take_local_job(Time now) {
   if (frame == nullptr) return std::nullopt;
   frame->state = State::kLocal;
   ++frame->raw.outcome.report.attempts;
-  return LocalJob{frame->sequence, frame->payload, frame->options.options.value_or(options_.options), frame->deadline};
+  return LocalJob{frame->sequence, frame->payload, frame->options.options.value_or(options_.options),
+                  frame->raw.outputs, frame->deadline};
 }
 
 void StreamCore::on_local_result(std::uint64_t sequence, absl::StatusOr<Result> result, Time now) {

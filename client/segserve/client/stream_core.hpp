@@ -90,6 +90,7 @@ class StreamCore {
     std::uint64_t sequence = 0;
     Payload payload;
     Options options;
+    wire::Outputs outputs;
     Time deadline;
   };
   /// A frame that shall be segmented here, because no server is in reach.

@@ -233,7 +233,7 @@ void StreamDriver::segment_locally() {
       continue;
     }
     lock.unlock();
-    auto result = segment_here(job->payload, job->options, StopToken(&stop_local_, job->deadline));
+    auto result = segment_here(job->payload, job->options, job->outputs, StopToken(&stop_local_, job->deadline));
     lock.lock();
     core_.on_local_result(job->sequence, std::move(result), Clock::now());
     changed();

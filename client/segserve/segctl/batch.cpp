@@ -35,7 +35,9 @@ struct Scene {
 class Batch {
  public:
   explicit Batch(const BatchJob& job)
-      : job_(job), key_(batch_key(job.request.options, job.request.view, job.request.codec)), ends_(job.inputs.size()) {
+      : job_(job),
+        key_(batch_key(job.request.options, job.request.view, job.request.codec, job.request.segments)),
+        ends_(job.inputs.size()) {
     bar_.emplace("segment");
   }
 
@@ -102,8 +104,11 @@ absl::StatusOr<Scene> Batch::load(std::size_t index) const {
 
 absl::Status Batch::write(Scene& scene, const client::Result& result) const {
   const BatchInput& input = job_.inputs[scene.index];
-  Json summary =
-      to_json({.result = result, .input = input.path, .server = job_.server, .timings = stage_timings(result)});
+  Json summary = to_json({.result = result,
+                          .input = input.path,
+                          .server = job_.server,
+                          .timings = stage_timings(result),
+                          .with_segments = job_.request.segments});
   summary["batch"] = {{"input", input.path}, {"input_bytes", scene.bytes}, {"key", key_}};
   scene.scene.cloud.view = result.view;
   StagedOutput output;
@@ -125,10 +130,13 @@ void Batch::end(Scene& scene, const absl::StatusOr<client::Result>& result) {
 
 /// The points as they are, or, if there is a codec, as a server would see them.
 absl::StatusOr<client::Result> Batch::segment_here(const codec::LabelledCloud& scene) const {
-  if (!job_.request.codec) return client::segment_here(scene.cloud, scene.view_rule, job_.request.options, StopToken());
+  const wire::Outputs outputs{.segments = job_.request.segments};
+  if (!job_.request.codec) {
+    return client::segment_here(scene.cloud, scene.view_rule, job_.request.options, outputs, StopToken());
+  }
   const auto payload = client::cloud_payload(scene.cloud, *job_.request.codec);
   if (!payload.ok()) return payload.status();
-  auto result = client::segment_here(*payload, job_.request.options, StopToken());
+  auto result = client::segment_here(*payload, job_.request.options, outputs, StopToken());
   if (result.ok()) result->view_rule = scene.view_rule;
   return result;
 }

@@ -79,11 +79,12 @@ absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::stri
 }
 
 std::string batch_key(const Options& options, const std::optional<View>& view,
-                      const std::optional<wire::CodecOptions>& codec) {
+                      const std::optional<wire::CodecOptions>& codec, bool segments) {
   std::string key = fmt::format("{} {}", wire::options_hash(options), view ? view_text(*view) : "as the file says");
   if (codec && !wire::info(codec->codec).is_lossless) {
     key += fmt::format(" {} {} {}", wire::info(codec->codec).name, codec->error_bound, codec->jpeg_quality);
   }
+  if (segments) key += " segments";
   return key;
 }
 

@@ -23,9 +23,10 @@ struct BatchInput {
 /// none, or two would have the same output; NOT_FOUND for a path that is not there.
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths, const std::string& out_dir);
 
-/// What decides the output besides the points: a hash of all options, the view if one was given, and a lossy codec.
+/// What decides the output besides the points: a hash of all options, the view if one was given, a lossy codec, and
+/// whether the segments' statistics are told.
 std::string batch_key(const Options& options, const std::optional<View>& view,
-                      const std::optional<wire::CodecOptions>& codec);
+                      const std::optional<wire::CodecOptions>& codec, bool segments);
 
 /// True if the output is there, complete, and of a file of the same size segmented with the same key.
 bool is_done(const BatchInput& input, const std::string& key);

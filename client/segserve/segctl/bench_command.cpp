@@ -110,8 +110,8 @@ void add_flags(CLI::App& app, Arguments& a) {
   a.codec.add_to(app, "default: planar; several, as planar,rgbd: clients use them in turn", "Frames");
   app.add_flag("--encoded-beforehand", a.encoded_beforehand, "encode every frame once, before the run")
       ->group("Frames");
-  app.add_option("--outputs", a.outputs, "what the answers hold: labels, supervoxels, tree")
-      ->check(CLI::IsMember({"labels", "supervoxels", "tree"}))
+  app.add_option("--outputs", a.outputs, "what the answers hold: labels, supervoxels, tree, segments")
+      ->check(CLI::IsMember({"labels", "supervoxels", "tree", "segments"}))
       ->delimiter(',')
       ->capture_default_str()
       ->group("Frames");
@@ -175,7 +175,10 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
   const auto wants = [&](const char* name) {
     return std::ranges::find(arguments.outputs, name) != arguments.outputs.end();
   };
-  load.stream.outputs = {.labels = wants("labels"), .supervoxels = wants("supervoxels"), .tree = wants("tree")};
+  load.stream.outputs = {.labels = wants("labels"),
+                         .supervoxels = wants("supervoxels"),
+                         .tree = wants("tree"),
+                         .segments = wants("segments")};
   if (arguments.verify && !load.stream.outputs.labels) {
     return absl::InvalidArgumentError("--verify needs labels among --outputs");
   }

@@ -7,6 +7,7 @@
 #include "fmt/format.h"
 #include "segserve/client/result_file.hpp"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/pipeline/segment.hpp"
 #include "segserve/segctl/command.hpp"
 #include "segserve/segctl/input_file.hpp"
 #include "segserve/segctl/option_flags.hpp"
@@ -34,6 +35,7 @@ struct Arguments {
   OptionFlags cut;
   std::string cloud_path;
   SceneOutput scene_output;
+  bool segments = false;
   std::string json_path;
   bool quiet = false;
 };
@@ -42,12 +44,16 @@ void add_flags(CLI::App& app, Arguments& arguments) {
   app.add_option("RESULT", arguments.result_path, "what segctl segment --result saved; - is standard input")
       ->required();
   arguments.cut.add_cut_to(app);
-  app.add_option("--cloud", arguments.cloud_path, "the cloud that was segmented, for -o and --picture")
+  app.add_option("--cloud", arguments.cloud_path, "the cloud that was segmented, for -o, --picture and --segments")
       ->type_name("SCENE")
       ->group("Output");
   arguments.scene_output.add_to(app, true);
   app.add_option("--json", arguments.json_path, "write the summary as one JSON object; - is standard output")
       ->type_name("FILE")
+      ->group("Output");
+  app.add_flag("--segments", arguments.segments,
+               "tell points, centroid, oriented box and mean colour of every segment in --json (the normals of a new "
+               "cut are not known)")
       ->group("Output");
   app.add_flag("-q,--quiet", arguments.quiet, "print no summary")->group("Output");
 }
@@ -55,6 +61,9 @@ void add_flags(CLI::App& app, Arguments& arguments) {
 absl::Status announce_outputs(const Arguments& arguments, StagedOutput& output) {
   if (arguments.scene_output.wanted() && arguments.cloud_path.empty()) {
     return absl::InvalidArgumentError("-o and --picture need --cloud, the cloud that was segmented");
+  }
+  if (arguments.segments && (arguments.cloud_path.empty() || arguments.json_path.empty())) {
+    return absl::InvalidArgumentError("--segments needs --cloud, the cloud that was segmented, and --json");
   }
   if (absl::Status status = arguments.scene_output.announce(output); !status.ok()) return status;
   return arguments.json_path.empty() ? absl::OkStatus() : output.announce(arguments.json_path);
@@ -78,20 +87,24 @@ absl::Status recut(client::Result& result, const Options& options) {
   if (!labels.ok()) return labels.status();
   result.segmentation.labels = *std::move(labels);
   result.segmentation.segments = cut->segments;
+  result.segmentation.statistics.clear();  // they were of the other cut
   result.segmentation.threshold = options.threshold;
   result.regions = options.regions;
   return absl::OkStatus();
 }
 
-absl::Status add_scene(const Arguments& arguments, const client::Result& result, StagedOutput& output) {
+/// What needs the points: the labelled cloud, its picture, the segments' statistics.
+absl::Status add_scene(const Arguments& arguments, client::Result& result, StagedOutput& output) {
   const auto scene = codec::load_cloud(arguments.cloud_path, result.view);
   if (!scene.ok()) return scene.status();
   if (scene->cloud.size() != result.points) {
     return absl::InvalidArgumentError(fmt::format("{} has {} points, but the saved result is of {}",
                                                   arguments.cloud_path, scene->cloud.size(), result.points));
   }
-  arguments.scene_output.add(output, scene->cloud, result.segmentation.labels);
-  return absl::OkStatus();
+  if (arguments.scene_output.wanted()) {
+    arguments.scene_output.add(output, scene->cloud, result.segmentation.labels);
+  }
+  return arguments.segments ? describe(scene->cloud, 1, StopToken(), result.segmentation) : absl::OkStatus();
 }
 
 absl::Status run(const Arguments& arguments) {
@@ -109,13 +122,14 @@ absl::Status run(const Arguments& arguments) {
   if (absl::Status status = recut(*result, *options); !status.ok()) return status;
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
 
-  if (arguments.scene_output.wanted()) {
+  if (arguments.scene_output.wanted() || arguments.segments) {
     if (absl::Status status = add_scene(arguments, *result, output); !status.ok()) return status;
   }
   const Summary summary{.result = *result,
                         .input = input_name(arguments.result_path),
                         .server = "",
-                        .timings = {{"cut", time.count()}, {"total", time.count()}}};
+                        .timings = {{"cut", time.count()}, {"total", time.count()}},
+                        .with_segments = arguments.segments};
   return report(summary, arguments.json_path, arguments.quiet, output);
 }
 

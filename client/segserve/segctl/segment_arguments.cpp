@@ -15,6 +15,7 @@ constexpr const char* kFooter = R"(Examples:
   segctl segment scene.pcd --local --method equalization --regions 12 -o - | other-program
   segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
   segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd
+  segctl segment scene.pcd --segments --json - | jq '.segment_statistics[0].box'
   segctl segment scans/ --out-dir labelled/    # goes on where it was stopped
 
 Points that are not finite, that the crop box or the range leaves out, or that are removed with the
@@ -72,6 +73,11 @@ void SegmentArguments::add_to(CLI::App& app) {
                  "write the summary as one JSON object, with --out-dir one a file and line; - is standard output")
       ->type_name("FILE")
       ->group("Output");
+  app.add_flag(
+         "--segments", segments,
+         "tell points, centroid, oriented box, mean colour and mean normal of every segment, in --json, --out-dir "
+         "and --result")
+      ->group("Output");
   app.add_flag("-q,--quiet", quiet, "print no summary")->group("Output");
 }
 
@@ -89,6 +95,9 @@ absl::Status SegmentArguments::check_combination() const {
   }
   if (rgbd.given() && !view.empty()) {
     return absl::InvalidArgumentError("--view does not go with RGB-D images: they are seen from the camera");
+  }
+  if (segments && json_path.empty() && result_path.empty() && out_dir.empty()) {
+    return absl::InvalidArgumentError("--segments needs --json, --result or --out-dir, which tell of them");
   }
   if (local && server.server_given()) {
     return absl::InvalidArgumentError("--local and --server exclude each other");
@@ -112,6 +121,7 @@ absl::StatusOr<SegmentRequest> SegmentArguments::request() const {
   const auto given_codec = codec.options();
   if (!given_codec.ok()) return given_codec.status();
   request.codec = *given_codec;
+  request.segments = segments;
   return request;
 }
 

@@ -24,6 +24,7 @@ struct SegmentRequest {
   Options options;
   std::optional<View> view;                 ///< unset: what the file says
   std::optional<wire::CodecOptions> codec;  ///< unset: as the client library thinks fit
+  bool segments = false;                    ///< their statistics
 };
 
 /// The command line of `segctl segment`.
@@ -40,6 +41,7 @@ struct SegmentArguments {
   std::string request_id;
   SceneOutput scene_output;
   std::string result_path;
+  bool segments = false;
   std::string json_path;
   bool quiet = false;
 

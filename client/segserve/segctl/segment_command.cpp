@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fmt/format.h"
+#include "segserve/client/local.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/client/result_file.hpp"
 #include "segserve/codec/cloud_file.hpp"
@@ -13,7 +14,6 @@
 #include "segserve/pipeline/segment.hpp"
 #include "segserve/segctl/command.hpp"
 #include "segserve/segctl/input_file.hpp"
-#include "segserve/segctl/local.hpp"
 #include "segserve/segctl/segment_arguments.hpp"
 #include "segserve/segctl/segment_many.hpp"
 #include "segserve/segctl/staged_output.hpp"
@@ -87,6 +87,7 @@ absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& argument
   client::CallOptions call;
   call.request_id = arguments.request_id;
   call.codec = job.request.codec;
+  call.outputs.segments = job.request.segments;
   call.outputs.compression = answer_compression(job.request.codec);
   if (job.payload) return client->segment_payload(*job.payload, job.request.options, call);
   auto result = client->segment(job.scene->cloud, job.request.options, call);
@@ -98,14 +99,18 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
   std::optional<StopToken::Clock::time_point> deadline;
   if (arguments.server.timeout_given()) deadline = StopToken::Clock::now() + *arguments.server.timeout();
   const StopToken stop(nullptr, deadline);
-  if (!job.request.codec || job.payload) return segment_locally(*job.scene, job.request.options, stop);
+  const auto segment = [&](const codec::LabelledCloud& scene) {
+    return client::segment_here(scene.cloud, scene.view_rule, job.request.options, {.segments = job.request.segments},
+                                stop);
+  };
+  if (!job.request.codec || job.payload) return segment(*job.scene);
   // The points as a server would see them.
   const auto payload = client::cloud_payload(job.scene->cloud, *job.request.codec);
   if (!payload.ok()) return payload.status();
   auto decoded = client::decode(*payload);
   if (!decoded.ok()) return decoded.status();
   decoded->view_rule = job.scene->view_rule;
-  return segment_locally(*decoded, job.request.options, stop);
+  return segment(*decoded);
 }
 
 absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const client::Result& result, double call_ms,
@@ -122,7 +127,8 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
   Summary summary{.result = result,
                   .input = job.input,
                   .server = arguments.local ? "" : arguments.server.address(),
-                  .timings = stage_timings(result)};
+                  .timings = stage_timings(result),
+                  .with_segments = job.request.segments};
   if (!arguments.local) summary.timings.push_back({"round_trip", call_ms});
   return report(summary, arguments.json_path, arguments.quiet, output);
 }

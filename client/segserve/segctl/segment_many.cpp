@@ -22,7 +22,7 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   job.server = arguments.server.address();
   job.stream.client_name = "segctl segment";
   job.stream.options = job.request.options;
-  job.stream.outputs = {.labels = true};
+  job.stream.outputs = {.labels = true, .segments = job.request.segments};
   job.stream.outputs.compression = answer_compression(job.request.codec);
   job.stream.frame_timeout = *arguments.server.timeout();
   return absl::OkStatus();

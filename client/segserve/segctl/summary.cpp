@@ -35,6 +35,24 @@ Json support_plane_json(const std::optional<SupportPlane>& plane) {
           {"offset", plane->offset}};
 }
 
+Json vector_json(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json optional_vector_json(const std::optional<Vec3>& v) { return v ? vector_json(*v) : Json(); }
+
+Json segment_json(std::size_t label, const SegmentStatistics& segment) {
+  Json axes = Json::array();
+  for (const Vec3& axis : segment.box.axes) axes.push_back(vector_json(axis));
+  return {{"label", label},
+          {"points", segment.points},
+          {"centroid", vector_json(segment.centroid)},
+          {"box",
+           {{"center", vector_json(segment.box.center)},
+            {"axes", axes},
+            {"half_extents", vector_json(segment.box.half_extents)}}},
+          {"color", optional_vector_json(segment.color)},
+          {"normal", optional_vector_json(segment.normal)}};
+}
+
 std::string support_plane_text(const SupportPlane& plane) {
   if (plane.points == 0) return "no support plane found\n";
   return fmt::format("support plane removed: {} points, {:.4f} x + {:.4f} y + {:.4f} z = {:.4f} m\n", plane.points,
@@ -70,10 +88,10 @@ std::string timings_text(const Summary& summary) {
 std::vector<Timing> stage_timings(const client::Result& result) {
   const client::Result& r = result;
   const StageTimings& stages = r.segmentation.timings;
-  return {{"queue", r.timings.queue},  {"decode", r.timings.decode},        {"voxels", stages.voxels},
-          {"normals", stages.normals}, {"supervoxels", stages.supervoxels}, {"graph", stages.graph},
-          {"merging", stages.merging}, {"labels", stages.labels},           {"encode", r.timings.encode},
-          {"total", r.timings.total}};
+  return {{"queue", r.timings.queue},   {"decode", r.timings.decode},        {"voxels", stages.voxels},
+          {"normals", stages.normals},  {"supervoxels", stages.supervoxels}, {"graph", stages.graph},
+          {"merging", stages.merging},  {"labels", stages.labels},           {"segments", stages.segments},
+          {"encode", r.timings.encode}, {"total", r.timings.total}};
 }
 
 Json to_json(const Summary& summary) {
@@ -87,6 +105,12 @@ Json to_json(const Summary& summary) {
   json["supervoxels"] = result.supervoxels;
   json["segments"] = result.segmentation.segments;
   json["segment_points"] = segment_sizes(result.segmentation);
+  if (summary.with_segments) {
+    Json& statistics = json["segment_statistics"] = Json::array();
+    for (const SegmentStatistics& segment : result.segmentation.statistics) {
+      statistics.push_back(segment_json(statistics.size() + 1, segment));
+    }
+  }
   json["method"] = name(result.method);
   json["threshold"] = optional_json(result.segmentation.threshold);
   json["regions"] = optional_json(result.regions);

@@ -21,6 +21,7 @@ struct Summary {
   std::string input;            ///< for people: where the points came from
   std::string server;           ///< address; empty: no server took part
   std::vector<Timing> timings;  ///< in order
+  bool with_segments = false;   ///< tell the segments' statistics in JSON
 };
 
 /// The times of a result as the server (or the local run) took them; the last one is the total.
@@ -28,7 +29,7 @@ std::vector<Timing> stage_timings(const client::Result& result);
 
 /// One object with at least points, finite, segmented, support_plane (null unless its removal was asked for; with 0
 /// points if none was found), supervoxels, segments, method, threshold (null after a
-/// cut at a number of regions), timings_ms.
+/// cut at a number of regions), timings_ms; and, if asked for, segment_statistics: an array of objects, largest first.
 nlohmann::ordered_json to_json(const Summary& summary);
 
 /// A few lines for people.

@@ -22,7 +22,10 @@ void check_id(const std::string& id, const char* field, std::vector<FieldViolati
 }
 
 Outputs parse_outputs(const v1alpha1::Outputs& message) {
-  Outputs outputs{.labels = message.labels(), .supervoxels = message.supervoxels(), .tree = message.tree()};
+  Outputs outputs{.labels = message.labels(),
+                  .supervoxels = message.supervoxels(),
+                  .tree = message.tree(),
+                  .segments = message.segments()};
   for (const int accepted : message.accepted_compressions()) {
     if (accepted == v1alpha1::COMPRESSION_ZSTD) outputs.compression = v1alpha1::COMPRESSION_ZSTD;
   }
@@ -67,6 +70,7 @@ v1alpha1::Outputs to_message(const Outputs& outputs) {
   message.set_labels(outputs.labels);
   message.set_supervoxels(outputs.supervoxels);
   message.set_tree(outputs.tree);
+  message.set_segments(outputs.segments);
   message.add_accepted_compressions(outputs.compression);
   return message;
 }

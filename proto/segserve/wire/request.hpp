@@ -12,6 +12,7 @@ struct Outputs {
   bool labels = true;
   bool supervoxels = false;
   bool tree = false;
+  bool segments = false;  ///< what there is to say of each: Segmentation::statistics
   /// Of the label arrays.
   v1alpha1::Compression compression = v1alpha1::COMPRESSION_NONE;
   bool operator==(const Outputs&) const = default;

@@ -7,6 +7,7 @@
 #include "segserve/wire/cloud.hpp"
 #include "segserve/wire/integers.hpp"
 #include "segserve/wire/options.hpp"
+#include "segserve/wire/segment.hpp"
 #include "segserve/wire/status.hpp"
 #include "segserve/wire/tree.hpp"
 
@@ -56,6 +57,7 @@ void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   timings.set_graph_ms(segmentation.timings.graph);
   timings.set_merging_ms(segmentation.timings.merging);
   timings.set_labels_ms(segmentation.timings.labels);
+  timings.set_segments_ms(segmentation.timings.segments);
 }
 
 void read_timings(const v1alpha1::Timings& from, CallTimings& call, StageTimings& stages) {
@@ -66,7 +68,9 @@ void read_timings(const v1alpha1::Timings& from, CallTimings& call, StageTimings
   stages.graph = from.graph_ms();
   stages.merging = from.merging_ms();
   stages.labels = from.labels_ms();
-  stages.total = stages.voxels + stages.normals + stages.supervoxels + stages.graph + stages.merging + stages.labels;
+  stages.segments = from.segments_ms();
+  stages.total = stages.voxels + stages.normals + stages.supervoxels + stages.graph + stages.merging + stages.labels +
+                 stages.segments;
 }
 
 absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std::size_t points) {
@@ -116,6 +120,13 @@ absl::Status read_labels(const v1alpha1::IntegerArray& message, std::size_t poin
   return absl::OkStatus();
 }
 
+absl::Status read_segments(const v1alpha1::SegmentationResult& message, Segmentation& segmentation) {
+  auto read = from_message(message.segments(), segmentation.segments, segmentation.segmented_points);
+  if (!read.ok()) return read.status();
+  segmentation.statistics = *std::move(read);
+  return absl::OkStatus();
+}
+
 absl::Status read_tree(const v1alpha1::MergeTree& message, const Result& result, MergeTree& tree) {
   absl::StatusOr<MergeTree> read = from_message(message, result.supervoxels, result.segmentation.segmented_points);
   if (!read.ok()) return read.status();
@@ -154,6 +165,7 @@ absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, co
   if (outputs.supervoxels && status.ok()) status = put(result.segmentation.supervoxels, message.mutable_supervoxels());
   if (outputs.tree && status.ok()) status = put(result.segmentation.tree, message.mutable_tree());
   if (!status.ok()) return status;
+  if (outputs.segments) *message.mutable_segments() = to_message(result.segmentation.statistics);
   return message;
 }
 
@@ -173,6 +185,7 @@ absl::StatusOr<Result> from_message(const v1alpha1::SegmentationResult& message,
   if (message.has_supervoxels() && status.ok()) {
     status = read_labels(message.supervoxels(), points, result->supervoxels, "supervoxels", segmentation.supervoxels);
   }
+  if (message.segments_size() > 0 && status.ok()) status = read_segments(message, segmentation);
   if (message.has_tree() && status.ok()) status = read_tree(message.tree(), *result, segmentation.tree);
   if (!status.ok()) return status;
   return result;

@@ -36,6 +36,10 @@ absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const c
     return is_cloud_at_fault ? wire::with_reason(segmentation.status(), v1alpha1::ERROR_REASON_INVALID_CLOUD)
                              : segmentation.status();
   }
+  if (frame.request.outputs.segments) {
+    const absl::Status status = describe(cloud, frame.request.options.threads, stop, *segmentation);
+    if (!status.ok()) return status;
+  }
   if (const absl::Status status = stop.check(); !status.ok()) return status;
 
   const Clock::time_point encode_start = Clock::now();
