@@ -74,16 +74,25 @@ struct ScatterBlock {
     yz[i] = square2[0], zz[i] = square2[1];
   }
 
+  SEGSERVE_INLINE Normalised matrices(std::size_t i) const {
+    return normalised({load<Real>(xx + i), load<Real>(xy + i), load<Real>(xz + i), load<Real>(yy + i),
+                       load<Real>(yz + i), load<Real>(zz + i)});
+  }
+
+  SEGSERVE_INLINE void set_normals(std::size_t i, const Direction& normal) {
+    store(normal.x, x + i);
+    store(normal.y, y + i);
+    store(normal.z, z + i);
+  }
+
   void find_normals(std::size_t count) {
-    for (std::size_t i = count; i < kMost && i % kReals != 0; ++i) {
-      xx[i] = xy[i] = xz[i] = yy[i] = yz[i] = zz[i] = 0;
-    }
-    for (std::size_t i = 0; i < count; i += kReals) {
-      const Direction normal = smallest_eigenvector({load<Real>(xx + i), load<Real>(xy + i), load<Real>(xz + i),
-                                                     load<Real>(yy + i), load<Real>(yz + i), load<Real>(zz + i)});
-      store(normal.x, x + i);
-      store(normal.y, y + i);
-      store(normal.z, z + i);
+    for (std::size_t i = count; i % (2 * kReals) != 0; ++i) xx[i] = xy[i] = xz[i] = yy[i] = yz[i] = zz[i] = 0;
+    for (std::size_t i = 0; i < count; i += 2 * kReals) {
+      const Normalised a = matrices(i), b = matrices(i + kReals);
+      Cubic of_a(a.matrix, a.trace > 0.0), of_b(b.matrix, b.trace > 0.0);
+      find_roots(of_a, of_b);
+      set_normals(i, eigenvector(a, of_a.t));
+      set_normals(i + kReals, eigenvector(b, of_b.t));
     }
   }
 };
