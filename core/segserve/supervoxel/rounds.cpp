@@ -37,6 +37,7 @@ void Rounds::first() {
 bool Rounds::next() {
   for (std::uint32_t c = 0; c < state_.cluster_count && !check_.after(1); ++c) {
     if (state_.clusters[c].count > 0 && state_.clusters[c].changed) {
+      prefetch_turns_after(c);
       expand(c, [this](std::uint32_t cluster, const std::uint32_t* of, std::size_t count, float* out) {
         distance_.measure(state_.clusters[cluster].centre, state_.voxels.data(), of, count, out);
       });
@@ -45,11 +46,22 @@ bool Rounds::next() {
   return move_centres();
 }
 
+/// Where the voxels are more than the cache holds: brings in the lists of the turn after next, and what those of the next
+/// one name. A seventh off growth of a million points, nothing off that of a frame.
+void Rounds::prefetch_turns_after(std::uint32_t c) const {
+  constexpr std::size_t kLine = 64 / sizeof(std::uint32_t);
+  if (c + 2 >= state_.cluster_count || !state_.clusters[c + 1].changed) return;
+  const std::vector<std::uint32_t>& list = state_.clusters[c + 2].candidates;
+  for (std::size_t i = 0; i < list.size(); i += kLine) __builtin_prefetch(list.data() + i);
+  for (const std::uint32_t v : state_.clusters[c + 1].candidates) __builtin_prefetch(&state_.voxels[v]);
+}
+
 /// One turn of a cluster: its centre stays where it is, and what it takes now expands next time.
 template <typename Measure>
 void Rounds::expand(std::uint32_t c, Measure&& measure) {
   ++state_.turn;
   std::size_t claims = find_claims(c, measure);
+  for (std::size_t i = 0; i < claims; ++i) __builtin_prefetch(adjacency_.of(state_.claims[i].voxel).data());
   if (state_.clusters[c].lost) claims = drop_claims_that_do_not_touch(claims);
   std::size_t fresh = 0;
   check_.for_each(0, claims, [&](std::size_t i) {

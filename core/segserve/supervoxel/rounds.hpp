@@ -27,6 +27,7 @@ class Rounds {
   bool next();
 
  private:
+  void prefetch_turns_after(std::uint32_t c) const;
   template <typename Measure>
   void expand(std::uint32_t c, Measure&& measure);
   template <typename Measure>
