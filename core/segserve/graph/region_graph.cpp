@@ -121,11 +121,13 @@ void Region::merge(const Region& other) {
 RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
                                const Supervoxels& supervoxels, const View& view, double voxel_resolution,
                                const StopToken& stop) {
-  constexpr std::uint32_t kFew = 4096;  // 2 MB of bits
+  // At most 16 bytes of bits for each voxel.
+  const std::size_t words = (supervoxels.count + std::size_t{63}) / 64 * supervoxels.count;
+  const bool few = words <= 2 * grid.size();
   RegionGraph graph;
   StopCheck check(stop);
   sum_up(grid, normals, supervoxels, view, voxel_resolution, check, graph.regions);
-  (supervoxels.count <= kFew ? find_few_edges : find_many_edges)(adjacency, supervoxels, check, graph.edges);
+  (few ? find_few_edges : find_many_edges)(adjacency, supervoxels, check, graph.edges);
   return graph;
 }
 

@@ -144,7 +144,7 @@ TEST(RegionGraph, HoldsEachAdjacentPairOnceInOrder) {
 
 TEST(RegionGraph, HoldsEachAdjacentPairOfManyThousandsInOrder) {
   const Stages s = run(test::random_cloud(40000, 0.4F, 0, View::world()), {0.008, 0.016, 0.2, 0.4, 1});
-  ASSERT_GT(s.supervoxels.count, 4096U) << "edges of fewer are found in another way";
+  ASSERT_GT(s.supervoxels.count, 4096U) << "edges of few regions are found in another way";
   expect_each_adjacent_pair_once(s, View::world());
 }
 
