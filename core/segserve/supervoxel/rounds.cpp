@@ -46,8 +46,8 @@ bool Rounds::next() {
   return move_centres();
 }
 
-/// Where the voxels are more than the cache holds: brings in the lists of the turn after next, and what those of the next
-/// one name. A seventh off growth of a million points, nothing off that of a frame.
+/// Where the voxels are more than the cache holds: brings in the lists of the turn after next, and what those of the
+/// next one name. A seventh off growth of a million points, nothing off that of a frame.
 void Rounds::prefetch_turns_after(std::uint32_t c) const {
   constexpr std::size_t kLine = 64 / sizeof(std::uint32_t);
   if (c + 2 >= state_.cluster_count || !state_.clusters[c + 1].changed) return;
