@@ -45,7 +45,9 @@ class VoxelTable {
   // Both on the way to find_or_insert, the one long before the other: where the table is larger than the caches, many
   // look-ups wait for memory at the same time.
   void prefetch_place(std::uint32_t hash) const { __builtin_prefetch(&places_[home(hash)]); }
-  void prefetch_voxel(std::uint32_t hash) const { __builtin_prefetch(voxels_.data() + places_[home(hash)] - 1); }
+  void prefetch_voxel(std::uint32_t hash) const {
+    if (const std::uint32_t slot = places_[home(hash)]; slot != 0) __builtin_prefetch(&voxels_[slot - 1]);
+  }
 
   /// The key's slot; a new key gets the next one, its sums 0.
   std::uint32_t find_or_insert(VoxelKey key, std::uint32_t hash) {
