@@ -11,7 +11,7 @@
 #include "grpcpp/server_builder.h"
 #include "gtest/gtest.h"
 #include "segserve/client/client.hpp"
-#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 #include "segserve/wire/status.hpp"
 #include "test/client/scenes.hpp"
 
@@ -19,11 +19,11 @@ namespace segserve::client {
 namespace {
 
 using testing::HasSubstr;
-using v1alpha1::SegmentRequest;
-using v1alpha1::SegmentResponse;
+using v1::SegmentRequest;
+using v1::SegmentResponse;
 
 /// Answers every call as the test says.
-class ScriptedService final : public v1alpha1::SegmentationService::Service {
+class ScriptedService final : public v1::SegmentationService::Service {
  public:
   grpc::Status Segment(grpc::ServerContext*, const SegmentRequest*, SegmentResponse* response) override {
     return answer(*response);
@@ -53,15 +53,15 @@ class AnswerTest : public testing::Test {
 
 /// A summary that fits flat_cloud(4, 4), but no arrays.
 void fill_summary(SegmentResponse& response) {
-  v1alpha1::ResultSummary& summary = *response.mutable_result()->mutable_summary();
+  v1::ResultSummary& summary = *response.mutable_result()->mutable_summary();
   summary.set_points(16);
   summary.set_finite_points(16);
   summary.set_segmented_points(16);
   summary.set_voxels(1);
   summary.set_supervoxels(1);
   summary.set_segments(1);
-  summary.set_method(v1alpha1::METHOD_COLOR);
-  summary.mutable_view()->set_kind(v1alpha1::VIEW_KIND_CAMERA);
+  summary.set_method(v1::METHOD_COLOR);
+  summary.mutable_view()->set_kind(v1::VIEW_KIND_CAMERA);
 }
 
 TEST_F(AnswerTest, ABrokenAnswerIsTheServersFault) {
@@ -101,7 +101,7 @@ TEST_F(AnswerTest, AnAnswerWithoutTheSegmentsAskedForIsBroken) {
 TEST_F(AnswerTest, TheMessageNamesFieldsThatTheServersMessageDoesNot) {
   service_.answer = [](SegmentResponse&) {
     wire::ErrorDetails details;
-    details.reason = v1alpha1::ERROR_REASON_INVALID_FIELD;
+    details.reason = v1::ERROR_REASON_INVALID_FIELD;
     details.fields = {{"options.threshold", "7 is not in [0, 1]"}, {"cloud.width", "is 0"}};
     return wire::to_grpc(wire::with_details(absl::InvalidArgumentError("the request is wrong"), details));
   };
@@ -114,7 +114,7 @@ TEST_F(AnswerTest, TheMessageNamesFieldsThatTheServersMessageDoesNot) {
 TEST_F(AnswerTest, TheMessageSaysWhenToTryAgain) {
   service_.answer = [](SegmentResponse&) {
     wire::ErrorDetails details;
-    details.reason = v1alpha1::ERROR_REASON_QUEUE_FULL;
+    details.reason = v1::ERROR_REASON_QUEUE_FULL;
     details.retry_delay = std::chrono::milliseconds(250);
     return wire::to_grpc(wire::with_details(absl::ResourceExhaustedError("64 calls wait"), details));
   };

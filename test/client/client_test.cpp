@@ -69,7 +69,7 @@ TEST_F(ClientTest, SegmentsAsTheCoreDoes) {
 TEST_F(ClientTest, EachCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
   const Cloud cloud = table_scene();
   for (const wire::CodecInfo& codec : wire::codecs()) {
-    if (codec.kind == v1alpha1::PAYLOAD_KIND_DRACO) continue;  // not enabled in this server
+    if (codec.kind == v1::PAYLOAD_KIND_DRACO) continue;  // not enabled in this server
     SCOPED_TRACE(codec.name);
     const wire::CodecOptions options{.codec = codec.codec, .error_bound = 0.0005};
     const auto decoded = wire::decode_cloud(wire::to_message(cloud, options).value(), {});
@@ -169,7 +169,7 @@ TEST_F(ClientTest, SaysWhatIsWrongWithTheCloud) {
   cloud.z[3] = -1;
   const auto remote = client().segment(cloud);
   EXPECT_TRUE(absl::IsInvalidArgument(remote.status())) << remote.status();
-  EXPECT_EQ(wire::details_of(remote.status()).reason, v1alpha1::ERROR_REASON_INVALID_CLOUD);
+  EXPECT_EQ(wire::details_of(remote.status()).reason, v1::ERROR_REASON_INVALID_CLOUD);
 }
 
 TEST_F(ClientTest, ServesSeveralThreadsAtOnce) {

@@ -12,8 +12,8 @@
 namespace segserve::client {
 namespace {
 
-using Request = v1alpha1::SegmentStreamRequest;
-using Response = v1alpha1::SegmentStreamResponse;
+using Request = v1::SegmentStreamRequest;
+using Response = v1::SegmentStreamResponse;
 using Event = Connection::Event;
 
 class ConnectionTest : public testing::Test {
@@ -37,9 +37,9 @@ class ConnectionTest : public testing::Test {
 
   static Response outcome(std::uint64_t number, std::size_t label_bytes) {
     Response response;
-    v1alpha1::FrameOutcome& outcome = *response.mutable_outcome();
+    v1::FrameOutcome& outcome = *response.mutable_outcome();
     outcome.set_sequence(number);
-    outcome.set_kind(v1alpha1::OUTCOME_KIND_RESULT);
+    outcome.set_kind(v1::OUTCOME_KIND_RESULT);
     outcome.mutable_result()->mutable_labels()->mutable_data()->set_encoded_bytes(label_bytes);
     outcome.set_encoded_bytes(label_bytes);
     outcome.set_crc32(wire::crc32(0, std::string(label_bytes, 'L')));
@@ -58,14 +58,14 @@ class ConnectionTest : public testing::Test {
   }
 
   Payload payload_ = *cloud_payload(flat_cloud(10, 10));  // 400, 400, 400, 300 bytes
-  Connection connection_{v1alpha1::StreamOpen()};
+  Connection connection_{v1::StreamOpen()};
 };
 
 TEST_F(ConnectionTest, CutsAPayloadIntoChunksThatFitItsChecksum) {
   connection_.begin(7, {}, payload_);
   const auto messages = sent();
   ASSERT_GT(messages.size(), 10U);
-  const v1alpha1::FrameHeader& header = messages[0].frame();
+  const v1::FrameHeader& header = messages[0].frame();
   EXPECT_EQ(header.sequence(), 1U);  // numbers on the wire are the connection's own
   std::string bytes;
   for (std::size_t i = 1; i < messages.size(); ++i) {
@@ -128,7 +128,7 @@ TEST_F(ConnectionTest, NoChunksFollowACancelOrAnOutcome) {
   connection_.begin(2, {}, payload_);
   ASSERT_TRUE(connection_.next(message) && connection_.next(message));
   Response failed = outcome(2, 0);
-  failed.mutable_outcome()->set_kind(v1alpha1::OUTCOME_KIND_FAILED);
+  failed.mutable_outcome()->set_kind(v1::OUTCOME_KIND_FAILED);
   ASSERT_TRUE(connection_.receive(failed).ok());
   EXPECT_TRUE(sent().empty());
 }
@@ -166,7 +166,7 @@ TEST_F(ConnectionTest, AServerMustKeepToTheProtocol) {
 }
 
 TEST(Connection, NothingComesBeforeOpened) {
-  Connection connection{v1alpha1::StreamOpen()};
+  Connection connection{v1::StreamOpen()};
   Response draining;
   draining.mutable_draining();
   EXPECT_TRUE(absl::IsInternal(connection.receive(draining).status()));

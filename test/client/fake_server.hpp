@@ -15,7 +15,7 @@
 #include "grpcpp/server_builder.h"
 #include "segserve/client/local.hpp"
 #include "segserve/client/payload.hpp"
-#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 #include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/options.hpp"
 #include "segserve/wire/payload_blocks.hpp"
@@ -25,7 +25,7 @@
 namespace segserve::client {
 
 /// A server that speaks stream.proto, one frame after the other, and misbehaves as told.
-class FakeServer final : public v1alpha1::SegmentationService::Service {
+class FakeServer final : public v1::SegmentationService::Service {
  public:
   enum Answer {
     kResult,         ///< what core says
@@ -38,7 +38,7 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
     kUnknownFrame,   ///< breaks the protocol
     kNothing,        ///< never says anything about this frame
   };
-  using Stream = grpc::ServerReaderWriter<v1alpha1::SegmentStreamResponse, v1alpha1::SegmentStreamRequest>;
+  using Stream = grpc::ServerReaderWriter<v1::SegmentStreamResponse, v1::SegmentStreamRequest>;
 
   FakeServer() { start("127.0.0.1:0"); }
   FakeServer(const FakeServer&) = delete;
@@ -48,7 +48,7 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
   const std::string& address() const { return address_; }
 
   /// Decides about a frame; called by the thread of its stream.
-  std::function<Answer(const v1alpha1::FrameHeader&)> answer = [](const auto&) { return kResult; };
+  std::function<Answer(const v1::FrameHeader&)> answer = [](const auto&) { return kResult; };
   /// Called before a frame is answered.
   std::function<void()> before_answer = [] {};
   std::atomic<std::uint32_t> credit_frames{4};
@@ -77,23 +77,23 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
     start(address_);
   }
 
-  grpc::Status GetServerInfo(grpc::ServerContext*, const v1alpha1::GetServerInfoRequest*,
-                             v1alpha1::GetServerInfoResponse*) override {
+  grpc::Status GetServerInfo(grpc::ServerContext*, const v1::GetServerInfoRequest*,
+                             v1::GetServerInfoResponse*) override {
     wait_while_silent();
     return grpc::Status::OK;
   }
 
   grpc::Status SegmentStream(grpc::ServerContext*, Stream* stream) override {
-    v1alpha1::SegmentStreamRequest request;
+    v1::SegmentStreamRequest request;
     if (refuses_streams) return {grpc::StatusCode::UNIMPLEMENTED, "no streams here"};
     wait_while_silent();
     if (drains) return wire::to_grpc(draining());
     if (!stream->Read(&request) || !request.has_open()) return {grpc::StatusCode::INVALID_ARGUMENT, "no open"};
     ++streams;
-    const v1alpha1::StreamOpen open = request.open();
+    const v1::StreamOpen open = request.open();
     open_stream(*stream);
     bool told = false;
-    v1alpha1::FrameHeader header;
+    v1::FrameHeader header;
     wire::IncomingBytes bytes;
     while (stream->Read(&request)) {
       wait_while_silent();
@@ -118,7 +118,7 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
       }
       if (drains) {
         told = true;
-        v1alpha1::SegmentStreamResponse response;
+        v1::SegmentStreamResponse response;
         response.mutable_draining();
         stream->Write(response);
       }
@@ -144,55 +144,55 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
   }
 
   static absl::Status draining() {
-    return wire::with_reason(absl::UnavailableError("about to stop"), v1alpha1::ERROR_REASON_DRAINING);
+    return wire::with_reason(absl::UnavailableError("about to stop"), v1::ERROR_REASON_DRAINING);
   }
 
   void open_stream(Stream& stream) {
-    v1alpha1::SegmentStreamResponse response;
+    v1::SegmentStreamResponse response;
     response.mutable_opened()->mutable_credit()->set_frames(credit_frames);
     response.mutable_opened()->mutable_credit()->set_bytes(credit_bytes);
     response.mutable_opened()->set_max_chunk_bytes(10'000);
     stream.Write(response);
   }
 
-  static v1alpha1::FrameOutcome outcome_of(const v1alpha1::FrameHeader& header, v1alpha1::OutcomeKind kind) {
-    v1alpha1::FrameOutcome outcome;
+  static v1::FrameOutcome outcome_of(const v1::FrameHeader& header, v1::OutcomeKind kind) {
+    v1::FrameOutcome outcome;
     outcome.set_sequence(header.sequence());
     outcome.set_kind(kind);
     return outcome;
   }
 
-  static void fail(Stream& stream, const v1alpha1::FrameHeader& header, const absl::Status& status) {
-    v1alpha1::SegmentStreamResponse response;
-    *response.mutable_outcome() = outcome_of(header, v1alpha1::OUTCOME_KIND_FAILED);
+  static void fail(Stream& stream, const v1::FrameHeader& header, const absl::Status& status) {
+    v1::SegmentStreamResponse response;
+    *response.mutable_outcome() = outcome_of(header, v1::OUTCOME_KIND_FAILED);
     *response.mutable_outcome()->mutable_status() = wire::to_message(status);
     stream.Write(response);
   }
 
-  bool answer_frame(Stream& stream, const v1alpha1::StreamOpen& open, const v1alpha1::FrameHeader& header) {
+  bool answer_frame(Stream& stream, const v1::StreamOpen& open, const v1::FrameHeader& header) {
     const Answer what = answer(header);
-    v1alpha1::SegmentStreamResponse response;
+    v1::SegmentStreamResponse response;
     switch (what) {
       case kNothing:
         return true;
       case kBreak:
         return false;
       case kChecksum:
-        fail(stream, header, wire::with_reason(absl::AbortedError("crc"), v1alpha1::ERROR_REASON_CHECKSUM));
+        fail(stream, header, wire::with_reason(absl::AbortedError("crc"), v1::ERROR_REASON_CHECKSUM));
         return true;
       case kBusy:
         fail(stream, header,
-             wire::with_details(absl::ResourceExhaustedError("busy"), {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL,
-                                                                       .retry_delay = std::chrono::milliseconds(20)}));
+             wire::with_details(absl::ResourceExhaustedError("busy"),
+                                {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = std::chrono::milliseconds(20)}));
         return true;
       case kInvalid:
         fail(stream, header, wire::malformed("no cloud at all"));
         return true;
       case kDropped:
-        *response.mutable_outcome() = outcome_of(header, v1alpha1::OUTCOME_KIND_DROPPED);
+        *response.mutable_outcome() = outcome_of(header, v1::OUTCOME_KIND_DROPPED);
         return stream.Write(response);
       case kUnknownFrame:
-        *response.mutable_outcome() = outcome_of(header, v1alpha1::OUTCOME_KIND_DROPPED);
+        *response.mutable_outcome() = outcome_of(header, v1::OUTCOME_KIND_DROPPED);
         response.mutable_outcome()->set_sequence(header.sequence() + 1000);
         return stream.Write(response);
       case kResult:
@@ -204,19 +204,18 @@ class FakeServer final : public v1alpha1::SegmentationService::Service {
     return true;
   }
 
-  static void send_result(Stream& stream, const v1alpha1::StreamOpen& open, const v1alpha1::FrameHeader& header,
-                          bool damaged) {
+  static void send_result(Stream& stream, const v1::StreamOpen& open, const v1::FrameHeader& header, bool damaged) {
     std::vector<FieldViolation> faults;
     const Options options =
         wire::from_message(header.has_options() ? header.options() : open.options(), Options{}, faults);
-    const v1alpha1::Outputs& asked = header.has_outputs() ? header.outputs() : open.outputs();
+    const v1::Outputs& asked = header.has_outputs() ? header.outputs() : open.outputs();
     const wire::Outputs outputs{asked.labels(), asked.supervoxels(), asked.tree(), asked.segments(),
-                                v1alpha1::COMPRESSION_ZSTD};
+                                v1::COMPRESSION_ZSTD};
     const auto result = segment_here(Payload(header.cloud(), header.points()), options, outputs, StopToken());
     if (!result.ok()) return fail(stream, header, result.status());
-    v1alpha1::SegmentStreamResponse response;
-    v1alpha1::FrameOutcome& outcome = *response.mutable_outcome();
-    outcome = outcome_of(header, v1alpha1::OUTCOME_KIND_RESULT);
+    v1::SegmentStreamResponse response;
+    v1::FrameOutcome& outcome = *response.mutable_outcome();
+    outcome = outcome_of(header, v1::OUTCOME_KIND_RESULT);
     *outcome.mutable_result() = wire::to_message(*result, outputs).value();
     wire::OutgoingBytes bytes(std::make_shared<const wire::ByteRun>(wire::result_blocks(*outcome.mutable_result())));
     outcome.set_encoded_bytes(bytes.run().size());

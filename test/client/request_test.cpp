@@ -15,29 +15,27 @@ namespace {
 
 using testing::HasSubstr;
 
-v1alpha1::Compression compression_of(const v1alpha1::SegmentRequest& request) {
-  return request.cloud().planar().x().compression();
-}
+v1::Compression compression_of(const v1::SegmentRequest& request) { return request.cloud().planar().x().compression(); }
 
 bool is_limit_exceeded(const absl::Status& status) {
-  return absl::IsInvalidArgument(status) && wire::details_of(status).reason == v1alpha1::ERROR_REASON_LIMIT_EXCEEDED;
+  return absl::IsInvalidArgument(status) && wire::details_of(status).reason == v1::ERROR_REASON_LIMIT_EXCEEDED;
 }
 
 TEST(Request, AnOrdinaryFrameIsSentRawUnlessAskedOtherwise) {
   const Cloud frame = flat_cloud(640, 480);
   const auto raw = cloud_request(frame, {}, {});
   ASSERT_TRUE(raw.ok()) << raw.status();
-  EXPECT_NE(compression_of(*raw), v1alpha1::COMPRESSION_ZSTD);
+  EXPECT_NE(compression_of(*raw), v1::COMPRESSION_ZSTD);
   const auto compressed = cloud_request(frame, {}, {.compress = Compress::kAlways});
   ASSERT_TRUE(compressed.ok()) << compressed.status();
-  EXPECT_EQ(compression_of(*compressed), v1alpha1::COMPRESSION_ZSTD);
+  EXPECT_EQ(compression_of(*compressed), v1::COMPRESSION_ZSTD);
   EXPECT_LT(compressed->ByteSizeLong(), raw->ByteSizeLong());
 }
 
 TEST(Request, ALargeCloudIsCompressedByItself) {
   const auto request = cloud_request(flat_cloud(1000, 700), {}, {});
   ASSERT_TRUE(request.ok()) << request.status();
-  EXPECT_EQ(compression_of(*request), v1alpha1::COMPRESSION_ZSTD);
+  EXPECT_EQ(compression_of(*request), v1::COMPRESSION_ZSTD);
   EXPECT_LE(request->ByteSizeLong(), wire::kMaxRequestBytes);
 }
 

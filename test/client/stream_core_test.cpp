@@ -16,8 +16,8 @@ namespace {
 
 using std::chrono::milliseconds;
 using testing::ElementsAre;
-using Request = v1alpha1::SegmentStreamRequest;
-using Response = v1alpha1::SegmentStreamResponse;
+using Request = v1::SegmentStreamRequest;
+using Response = v1::SegmentStreamResponse;
 
 /// A core between an application and servers that do what the test says.
 class Bench {
@@ -72,17 +72,15 @@ class Bench {
     answer(response);
   }
 
-  static Response outcome(std::uint64_t number, v1alpha1::OutcomeKind kind) {
+  static Response outcome(std::uint64_t number, v1::OutcomeKind kind) {
     Response response;
     response.mutable_outcome()->set_sequence(number);
     response.mutable_outcome()->set_kind(kind);
     return response;
   }
-  void end(std::uint64_t number, v1alpha1::OutcomeKind kind = v1alpha1::OUTCOME_KIND_RESULT) {
-    answer(outcome(number, kind));
-  }
+  void end(std::uint64_t number, v1::OutcomeKind kind = v1::OUTCOME_KIND_RESULT) { answer(outcome(number, kind)); }
   void fail(std::uint64_t number, const absl::Status& status) {
-    Response response = outcome(number, v1alpha1::OUTCOME_KIND_FAILED);
+    Response response = outcome(number, v1::OUTCOME_KIND_FAILED);
     *response.mutable_outcome()->mutable_status() = wire::to_message(status);
     answer(response);
   }
@@ -221,7 +219,7 @@ TEST(StreamCore, CountsTheBytesOfAllMessagesOfAnOutcome) {
   for (const std::size_t chunk : {400U, 1200U}) {
     const std::uint64_t number = bench.send();
     bench.sent();
-    Response response = Bench::outcome(number, v1alpha1::OUTCOME_KIND_RESULT);
+    Response response = Bench::outcome(number, v1::OUTCOME_KIND_RESULT);
     response.mutable_outcome()->set_encoded_bytes(1200);
     response.mutable_outcome()->set_crc32(wire::crc32(0, std::string(1200, 'x')));
     response.mutable_outcome()->mutable_result()->mutable_labels()->mutable_data()->set_encoded_bytes(1200);
@@ -259,7 +257,7 @@ TEST(StreamCore, TheAgeCountsFromTheCapture) {
   ASSERT_EQ(Bench::headers(messages).size(), 1U);
   EXPECT_EQ(messages[0].frame().age().nanos(), 500'000'000);
   EXPECT_EQ(messages[0].frame().time_to_live().seconds(), 1);
-  bench.end(1, v1alpha1::OUTCOME_KIND_EXPIRED);
+  bench.end(1, v1::OUTCOME_KIND_EXPIRED);
   EXPECT_THAT(bench.taken(), ElementsAre(ended(1, OutcomeKind::kExpired), ended(2, OutcomeKind::kExpired)));
 }
 
@@ -283,7 +281,7 @@ TEST(StreamCore, ACancelledFrameEndsOnce) {
   const auto messages = bench.sent();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].cancel().sequence(), 1U);
-  bench.end(1, v1alpha1::OUTCOME_KIND_CANCELLED);
+  bench.end(1, v1::OUTCOME_KIND_CANCELLED);
   EXPECT_THAT(bench.taken(), ElementsAre(ended(1, OutcomeKind::kCancelled), ended(2, OutcomeKind::kCancelled)));
   bench.core_.cancel(1, bench.now_);
   EXPECT_TRUE(bench.taken().empty());
@@ -343,7 +341,7 @@ TEST(StreamCore, ADrainingServerKeepsWhatItHasAndGetsNothingNew) {
   bench.open();
   EXPECT_NE(bench.connections_.back(), old);
   EXPECT_EQ(bench.begun(), 1U);
-  bench.answer(Bench::outcome(1, v1alpha1::OUTCOME_KIND_RESULT), old);
+  bench.answer(Bench::outcome(1, v1::OUTCOME_KIND_RESULT), old);
   bench.core_.on_closed(old, absl::UnavailableError("drained"), bench.now_);
   bench.end(1);
   EXPECT_THAT(bench.taken(), ElementsAre(ended(1, OutcomeKind::kResult), ended(2, OutcomeKind::kResult)));
@@ -365,7 +363,7 @@ TEST(StreamCore, ObeysTheServersRetryInfo) {
   bench.send();
   EXPECT_EQ(bench.begun(), 1U);
   wire::ErrorDetails details;
-  details.reason = v1alpha1::ERROR_REASON_QUEUE_FULL;
+  details.reason = v1::ERROR_REASON_QUEUE_FULL;
   details.retry_delay = milliseconds(3000);
   bench.fail(1, wire::with_details(absl::ResourceExhaustedError("full"), details));
   bench.pass(milliseconds(2990));

@@ -29,20 +29,20 @@ void expect_same(const Cloud& a, const Cloud& b) {
   EXPECT_EQ(a.view, b.view);
 }
 
-std::vector<std::string> wrong_fields(const v1alpha1::Cloud& message) {
+std::vector<std::string> wrong_fields(const v1::Cloud& message) {
   std::vector<std::string> fields;
   for (const FieldViolation& fault : violations(message)) fields.push_back(fault.field);
   return fields;
 }
 
-v1alpha1::Cloud planar() { return to_planar_message(small_cloud(), v1alpha1::COMPRESSION_NONE).value(); }
+v1::Cloud planar() { return to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value(); }
 
-ErrorReason reason_of(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits = kLimits) {
+ErrorReason reason_of(const v1::Cloud& message, const codec::DecodeLimits& limits = kLimits) {
   return details_of(decode_cloud(message, limits).status()).reason;
 }
 
 TEST(WireCloud, PlanarKeepsEveryBit) {
-  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
     const auto decoded = decode_cloud(to_planar_message(small_cloud(), compression).value(), kLimits);
     ASSERT_TRUE(decoded.ok()) << decoded.status();
     expect_same(decoded->cloud, small_cloud());
@@ -54,7 +54,7 @@ TEST(WireCloud, PlanarWithoutColourAndWithASensor) {
   Cloud cloud = small_cloud();
   cloud.rgb.clear();
   cloud.view = View::world(1, 2, 3);
-  const v1alpha1::Cloud message = to_planar_message(cloud, v1alpha1::COMPRESSION_ZSTD).value();
+  const v1::Cloud message = to_planar_message(cloud, v1::COMPRESSION_ZSTD).value();
   EXPECT_FALSE(message.planar().has_rgb());
   const auto decoded = decode_cloud(message, kLimits);
   ASSERT_TRUE(decoded.ok()) << decoded.status();
@@ -74,34 +74,34 @@ TEST(WireCloud, PcdFileTakesItsViewFromTheFileUnlessTold) {
 }
 
 TEST(WireCloud, NamesEveryWrongFieldAtOnce) {
-  v1alpha1::Cloud message = planar();
+  v1::Cloud message = planar();
   message.set_width(0);
   message.set_height(0);
   message.clear_view();
   EXPECT_THAT(wrong_fields(message), testing::UnorderedElementsAre("cloud.width", "cloud.height", "cloud.view"));
-  EXPECT_EQ(reason_of(message), v1alpha1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_INVALID_FIELD);
 }
 
 TEST(WireCloud, NeedsAPayload) { EXPECT_THAT(wrong_fields({}), testing::ElementsAre("cloud.payload")); }
 
 TEST(WireCloud, JudgesTheView) {
-  v1alpha1::Cloud message = planar();
+  v1::Cloud message = planar();
   message.mutable_view()->mutable_sensor()->set_x(1);
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.sensor"));
-  message.mutable_view()->set_kind(v1alpha1::VIEW_KIND_WORLD);
+  message.mutable_view()->set_kind(v1::VIEW_KIND_WORLD);
   EXPECT_THAT(wrong_fields(message), testing::IsEmpty());
   message.mutable_view()->mutable_sensor()->set_z(NAN);
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.sensor"));
-  message.mutable_view()->set_kind(v1alpha1::VIEW_KIND_UNSPECIFIED);
+  message.mutable_view()->set_kind(v1::VIEW_KIND_UNSPECIFIED);
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
-  message.mutable_view()->set_kind(static_cast<v1alpha1::ViewKind>(9));
+  message.mutable_view()->set_kind(static_cast<v1::ViewKind>(9));
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
 }
 
 TEST(WireCloud, RefusesPlanesOfAnotherLengthByName) {
-  v1alpha1::Cloud message = planar();
+  v1::Cloud message = planar();
   message.mutable_planar()->mutable_y()->mutable_data()->pop_back();
-  EXPECT_EQ(reason_of(message), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_MALFORMED_PAYLOAD);
   EXPECT_THAT(decode_cloud(message, kLimits).status().ToString(), HasSubstr("cloud.planar.y"));
 
   message = planar();
@@ -110,10 +110,10 @@ TEST(WireCloud, RefusesPlanesOfAnotherLengthByName) {
 }
 
 TEST(WireCloud, ShapeWhoseProductOverflowsIsOverTheLimit) {
-  v1alpha1::Cloud message = planar();
+  v1::Cloud message = planar();
   message.set_width(0xffffffff);
   message.set_height(0xffffffff);
-  EXPECT_EQ(reason_of(message), v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_LIMIT_EXCEEDED);
 }
 
 TEST(WireCloud, LimitsAreNamedWithTheirValues) {
@@ -130,24 +130,24 @@ TEST(WireCloud, LimitsAreNamedWithTheirValues) {
 TEST(WireCloud, PcdOverTheLimitOfPointsIsSaidToBe) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
   EXPECT_EQ(reason_of(to_pcd_message(file, std::nullopt), {.max_points = 5, .max_bytes = 10'000}),
-            v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+            v1::ERROR_REASON_LIMIT_EXCEEDED);
 }
 
 TEST(WireCloud, TruncatedPcdIsMalformed) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
   EXPECT_EQ(reason_of(to_pcd_message(file.substr(0, file.size() - 1), std::nullopt)),
-            v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
-  EXPECT_EQ(reason_of(to_pcd_message("", std::nullopt)), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+            v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(to_pcd_message("", std::nullopt)), v1::ERROR_REASON_MALFORMED_PAYLOAD);
 }
 
 TEST(WireCloud, ShapeOfARequestMustAgreeWithThePcdFile) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
-  v1alpha1::Cloud message = to_pcd_message(file, std::nullopt);
+  v1::Cloud message = to_pcd_message(file, std::nullopt);
   message.set_width(3);
   message.set_height(2);
   EXPECT_TRUE(decode_cloud(message, kLimits).ok());
   message.set_height(3);
-  EXPECT_EQ(reason_of(message), v1alpha1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_INVALID_FIELD);
 }
 
 }  // namespace

@@ -48,17 +48,17 @@ Cloud frame(bool color, std::uint32_t width = 24, std::uint32_t height = 18) {
 
 class EachCodec : public testing::TestWithParam<CodecInfo> {
  protected:
-  v1alpha1::Cloud encode(const CloudView& cloud) const {
+  v1::Cloud encode(const CloudView& cloud) const {
     const auto message = to_message(cloud, {.codec = GetParam().codec, .error_bound = kBound});
     EXPECT_TRUE(message.ok()) << message.status();
-    return message.value_or(v1alpha1::Cloud());
+    return message.value_or(v1::Cloud());
   }
 };
 
 TEST_P(EachCodec, PointsComeBackInTheirOrder) {
   for (const bool color : {false, true}) {
     const Cloud cloud = frame(color);
-    const v1alpha1::Cloud message = encode(cloud);
+    const v1::Cloud message = encode(cloud);
     const auto decoded = decode_cloud(message, kAll);
     ASSERT_TRUE(decoded.ok()) << decoded.status();
     const Cloud& got = decoded->cloud;
@@ -84,7 +84,7 @@ TEST_P(EachCodec, PointsComeBackInTheirOrder) {
 }
 
 TEST_P(EachCodec, ALossyMessageDeclaresItsBound) {
-  const v1alpha1::Cloud message = encode(frame(true));
+  const v1::Cloud message = encode(frame(true));
   if (GetParam().is_lossless) {
     EXPECT_EQ(message.error_bound(), 0);
   } else {
@@ -103,7 +103,7 @@ TEST_P(EachCodec, WorldCloudsWithASensorKeepTheirView) {
 }
 
 TEST_P(EachCodec, BlocksTellTheirSizes) {
-  v1alpha1::Cloud message = encode(frame(true));
+  v1::Cloud message = encode(frame(true));
   const std::vector<std::uint64_t> sizes = payload_block_sizes(message);
   const std::vector<std::string*> data = payload_blocks(message);
   ASSERT_EQ(sizes.size(), data.size());
@@ -113,10 +113,10 @@ TEST_P(EachCodec, BlocksTellTheirSizes) {
 
 /// Every block truncated and every byte of the small ones flipped: refused, or decoded within the limits.
 TEST_P(EachCodec, DamageIsRefusedOrDecodedWithinBounds) {
-  const v1alpha1::Cloud good = encode(small_camera_cloud());
+  const v1::Cloud good = encode(small_camera_cloud());
   constexpr codec::DecodeLimits kFew{.max_points = 1000, .max_bytes = 100'000, .draco = true};
   ASSERT_TRUE(decode_cloud(good, kFew).ok());
-  v1alpha1::Cloud message = good;
+  v1::Cloud message = good;
   for (std::string* data : payload_blocks(message)) {
     const std::string whole = *data;
     for (std::size_t at = 0; at < whole.size(); ++at) {
@@ -126,7 +126,7 @@ TEST_P(EachCodec, DamageIsRefusedOrDecodedWithinBounds) {
         const auto decoded = decode_cloud(message, kFew);
         if (decoded.ok()) continue;
         ASSERT_EQ(decoded.status().code(), absl::StatusCode::kInvalidArgument) << decoded.status();
-        ASSERT_NE(details_of(decoded.status()).reason, v1alpha1::ERROR_REASON_UNSPECIFIED);
+        ASSERT_NE(details_of(decoded.status()).reason, v1::ERROR_REASON_UNSPECIFIED);
       }
       *data = whole.substr(0, at);
       ASSERT_EQ(decode_cloud(message, kFew).status().code(), absl::StatusCode::kInvalidArgument) << at;
@@ -137,7 +137,7 @@ TEST_P(EachCodec, DamageIsRefusedOrDecodedWithinBounds) {
 
 TEST_P(EachCodec, AStoppedDecodingEndsSoon) {
   const Cloud cloud = frame(true, 400, 300);
-  const v1alpha1::Cloud message = encode(cloud);
+  const v1::Cloud message = encode(cloud);
   constexpr codec::DecodeLimits kEnough{.draco = true};
   WorkMeter whole;
   ASSERT_TRUE(decode_cloud(message, kEnough, StopToken(nullptr, std::nullopt, &whole)).ok());
@@ -152,7 +152,7 @@ TEST_P(EachCodec, AStoppedDecodingEndsSoon) {
     });
     const auto decoded = decode_cloud(message, kEnough, StopToken(&cancelled, std::nullopt, &meter));
     EXPECT_EQ(decoded.status().code(), absl::StatusCode::kCancelled) << at << " of " << whole.units();
-    EXPECT_EQ(details_of(decoded.status()).reason, v1alpha1::ERROR_REASON_UNSPECIFIED) << "the payload is not at fault";
+    EXPECT_EQ(details_of(decoded.status()).reason, v1::ERROR_REASON_UNSPECIFIED) << "the payload is not at fault";
     EXPECT_LE(meter.units() - before, StopToken::kMostWorkAfterStop) << at << " of " << whole.units();
   }
   const StopToken late(nullptr, StopToken::Clock::now());
@@ -176,31 +176,31 @@ TEST(WireCodec, NamesAreUniqueAndFound) {
 
 TEST(WireCodec, DracoIsRefusedUnlessEnabled) {
   constexpr codec::DecodeLimits kDefault{};
-  EXPECT_THAT(accepted_kinds(kDefault), Not(Contains(v1alpha1::PAYLOAD_KIND_DRACO)));
-  v1alpha1::Cloud message;
+  EXPECT_THAT(accepted_kinds(kDefault), Not(Contains(v1::PAYLOAD_KIND_DRACO)));
+  v1::Cloud message;
   message.mutable_draco();
   message.set_width(1);
   message.set_height(1);
   *message.mutable_view() = to_message(View::camera());
   for (const absl::Status& status : {check_kind(message, kDefault), decode_cloud(message, kDefault).status()}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_INVALID_FIELD);
+    EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_INVALID_FIELD);
     EXPECT_THAT(std::string(status.message()),
                 HasSubstr("cloud.draco: not enabled here; enabled are planar, pcd_file, strided, quantised, rgbd"));
   }
   if (!codec::draco_is_built()) GTEST_SKIP() << "built without Draco";
-  EXPECT_THAT(accepted_kinds(kAll), Contains(v1alpha1::PAYLOAD_KIND_DRACO));
+  EXPECT_THAT(accepted_kinds(kAll), Contains(v1::PAYLOAD_KIND_DRACO));
   EXPECT_TRUE(check_kind(message, kAll).ok());
 }
 
-std::vector<std::string> wrong_fields(const v1alpha1::Cloud& message) {
+std::vector<std::string> wrong_fields(const v1::Cloud& message) {
   std::vector<std::string> fields;
   for (const FieldViolation& fault : violations(message)) fields.push_back(fault.field);
   return fields;
 }
 
 TEST(WireCodec, EachPayloadSaysWhatItNeedsAroundIt) {
-  v1alpha1::Cloud message;
+  v1::Cloud message;
   message.mutable_strided();
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view", "cloud.width", "cloud.height"));
   message.mutable_draco();
@@ -217,7 +217,7 @@ TEST(WireCodec, EachPayloadSaysWhatItNeedsAroundIt) {
 }
 
 TEST(WireCodec, WhatTheMessageSaysMustBeWhatThePayloadSays) {
-  v1alpha1::Cloud message = to_message(frame(true), {.codec = Codec::kQuantised, .error_bound = kBound}).value();
+  v1::Cloud message = to_message(frame(true), {.codec = Codec::kQuantised, .error_bound = kBound}).value();
   message.set_error_bound(0.002);
   EXPECT_THAT(decode_cloud(message, kAll).status().ToString(), HasSubstr("cloud.error_bound: 0.002 m, but"));
   message.set_error_bound(kBound);

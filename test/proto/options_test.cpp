@@ -8,7 +8,7 @@
 namespace segserve::wire {
 namespace {
 
-Options parse(const v1alpha1::SegmentOptions& message, const Options& defaults = {}) {
+Options parse(const v1::SegmentOptions& message, const Options& defaults = {}) {
   std::vector<FieldViolation> faults;
   const Options options = from_message(message, defaults, faults);
   EXPECT_THAT(faults, testing::IsEmpty());
@@ -59,7 +59,7 @@ TEST(WireOptions, UnsetFieldsAreTheServersDefaults) {
 TEST(WireOptions, ACutReplacesTheDefaultCut) {
   Options defaults;
   defaults.threshold = 0.3;
-  v1alpha1::SegmentOptions message;
+  v1::SegmentOptions message;
   message.set_regions(5);
   const Options options = parse(message, defaults);
   EXPECT_EQ(options.threshold, std::nullopt);
@@ -67,8 +67,8 @@ TEST(WireOptions, ACutReplacesTheDefaultCut) {
 }
 
 TEST(WireOptions, NamesEveryWrongOptionByItsPath) {
-  v1alpha1::SegmentOptions message;
-  message.set_method(static_cast<v1alpha1::Method>(42));
+  v1::SegmentOptions message;
+  message.set_method(static_cast<v1::Method>(42));
   message.set_voxel_resolution(NAN);
   message.set_lambda(2);
   message.set_threshold(-1);
@@ -90,8 +90,7 @@ TEST(WireOptions, NamesWhatIsWrongForTheViewByItsPath) {
 
 TEST(WireOptions, EveryOptionOfCoreIsAFieldOfTheMessage) {
   for (const OptionInfo& option : option_table()) {
-    EXPECT_NE(v1alpha1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name)), nullptr)
-        << option.name;
+    EXPECT_NE(v1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name)), nullptr) << option.name;
   }
 }
 

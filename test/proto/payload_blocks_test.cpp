@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 TEST(PayloadBlocks, PlanesComeInTheirOrderAndTellTheirSizes) {
-  v1alpha1::Cloud message = to_planar_message(small_cloud(), v1alpha1::COMPRESSION_NONE).value();
+  v1::Cloud message = to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value();
   EXPECT_THAT(payload_blocks(message), ElementsAre(&message.planar().x().data(), &message.planar().y().data(),
                                                    &message.planar().z().data(), &message.planar().rgb().data()));
   EXPECT_THAT(payload_block_sizes(message), ElementsAre(24, 24, 24, 18));
@@ -25,18 +25,18 @@ TEST(PayloadBlocks, PlanesComeInTheirOrderAndTellTheirSizes) {
 TEST(PayloadBlocks, AbsentBlocksAreSkipped) {
   Cloud cloud = small_cloud();
   cloud.rgb.clear();
-  v1alpha1::Cloud message = to_planar_message(cloud, v1alpha1::COMPRESSION_ZSTD).value();
+  v1::Cloud message = to_planar_message(cloud, v1::COMPRESSION_ZSTD).value();
   EXPECT_EQ(payload_blocks(message).size(), 3U);
-  v1alpha1::Cloud nothing;
+  v1::Cloud nothing;
   EXPECT_THAT(payload_blocks(nothing), IsEmpty());
   EXPECT_EQ(payload_bytes(nothing), 0U);
 }
 
 /// Detaches the bytes as a stream does, and puts them back in chunks.
 TEST(PayloadBlocks, BytesCanFollowTheirHeader) {
-  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
-    const v1alpha1::Cloud whole = to_planar_message(small_cloud(), compression).value();
-    v1alpha1::Cloud header = whole;
+  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
+    const v1::Cloud whole = to_planar_message(small_cloud(), compression).value();
+    v1::Cloud header = whole;
     std::string run;
     for (std::string* data : payload_blocks(header)) {
       run += *data;
@@ -52,13 +52,13 @@ TEST(PayloadBlocks, BytesCanFollowTheirHeader) {
 }
 
 TEST(PayloadBlocks, SizesThatOverflowAreNotTakenForSmallOnes) {
-  v1alpha1::Cloud message = to_planar_message(small_cloud(), v1alpha1::COMPRESSION_NONE).value();
+  v1::Cloud message = to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value();
   message.mutable_planar()->mutable_x()->set_encoded_bytes(std::numeric_limits<std::uint64_t>::max() - 10);
   EXPECT_EQ(payload_bytes(message), std::numeric_limits<std::uint64_t>::max());
 }
 
 TEST(PayloadBlocks, OfImagesAndDraco) {
-  v1alpha1::Cloud message;
+  v1::Cloud message;
   message.mutable_rgbd()->mutable_color()->set_encoded_bytes(2);
   message.mutable_rgbd()->mutable_depth()->set_encoded_bytes(1);
   EXPECT_THAT(payload_block_sizes(message), ElementsAre(1, 2));

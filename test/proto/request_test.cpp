@@ -10,9 +10,9 @@
 namespace segserve::wire {
 namespace {
 
-v1alpha1::SegmentRequest good_request() {
-  v1alpha1::SegmentRequest request;
-  *request.mutable_cloud() = to_planar_message(small_cloud(), v1alpha1::COMPRESSION_NONE).value();
+v1::SegmentRequest good_request() {
+  v1::SegmentRequest request;
+  *request.mutable_cloud() = to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value();
   return request;
 }
 
@@ -24,26 +24,26 @@ TEST(WireRequest, WithoutOutputsMeansPlainLabels) {
 
 TEST(WireRequest, OutputsRoundTrip) {
   const Outputs outputs{
-      .labels = false, .supervoxels = true, .tree = true, .segments = true, .compression = v1alpha1::COMPRESSION_ZSTD};
-  v1alpha1::SegmentRequest request = good_request();
+      .labels = false, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD};
+  v1::SegmentRequest request = good_request();
   *request.mutable_outputs() = to_message(outputs);
   EXPECT_EQ(parse_request(request, {})->outputs, outputs);
 }
 
 TEST(WireRequest, CompressionsOfTheFutureAreNotChosen) {
-  v1alpha1::SegmentRequest request = good_request();
-  request.mutable_outputs()->add_accepted_compressions(static_cast<v1alpha1::Compression>(99));
-  EXPECT_EQ(parse_request(request, {})->outputs.compression, v1alpha1::COMPRESSION_NONE);
+  v1::SegmentRequest request = good_request();
+  request.mutable_outputs()->add_accepted_compressions(static_cast<v1::Compression>(99));
+  EXPECT_EQ(parse_request(request, {})->outputs.compression, v1::COMPRESSION_NONE);
 }
 
 TEST(WireRequest, NamesEveryWrongFieldOfEveryPart) {
-  v1alpha1::SegmentRequest request = good_request();
+  v1::SegmentRequest request = good_request();
   request.set_request_id(std::string(257, 'x'));
   request.mutable_cloud()->set_width(0);
   request.mutable_options()->set_threshold(2);
   const absl::Status status = parse_request(request, {}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_INVALID_FIELD);
   std::vector<std::string> fields;
   for (const FieldViolation& fault : details_of(status).fields) fields.push_back(fault.field);
   EXPECT_THAT(fields, testing::UnorderedElementsAre("request_id", "cloud.width", "options.threshold"));

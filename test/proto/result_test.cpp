@@ -41,21 +41,21 @@ Result small_result() {
   return result;
 }
 
-std::string refusal(const v1alpha1::SegmentationResult& message, std::size_t points = 6) {
+std::string refusal(const v1::SegmentationResult& message, std::size_t points = 6) {
   const absl::Status status = from_message(message, points).status();
-  EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
   return std::string(status.message());
 }
 
 std::string message_bytes(std::initializer_list<char> bytes) { return bytes; }
 
-v1alpha1::SegmentationResult small_message() { return to_message(small_result(), kEverything).value(); }
+v1::SegmentationResult small_message() { return to_message(small_result(), kEverything).value(); }
 
 TEST(WireResult, RoundTrips) {
-  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
     Outputs outputs = kEverything;
     outputs.compression = compression;
-    v1alpha1::SegmentationResult message = to_message(small_result(), outputs).value();
+    v1::SegmentationResult message = to_message(small_result(), outputs).value();
     set_final_timings(message, 9, 45);
     const auto read = from_message(message, 6);
     ASSERT_TRUE(read.ok()) << read.status();
@@ -110,7 +110,7 @@ TEST(WireResult, HoldsOnlyWhatWasAskedFor) {
 }
 
 TEST(WireResult, ItsBytesTravelApartFromItInTheDocumentedOrder) {
-  v1alpha1::SegmentationResult message = small_message();
+  v1::SegmentationResult message = small_message();
   const std::vector<std::uint64_t> sizes = result_block_sizes(message);
   EXPECT_THAT(sizes, testing::ElementsAre(6, 6, 3, 2, 2, 16));
   std::vector<std::string> bytes;
@@ -127,7 +127,7 @@ TEST(WireResult, ItsBytesTravelApartFromItInTheDocumentedOrder) {
 }
 
 TEST(WireResult, ATreeWithoutColumnsIsRefused) {
-  v1alpha1::SegmentationResult message = small_message();
+  v1::SegmentationResult message = small_message();
   message.mutable_tree()->Clear();
   EXPECT_THAT(result_block_sizes(message), testing::ElementsAre(6, 6, 0, 0, 0, 0));
   EXPECT_EQ(result_blocks(message).size(), 6U);
@@ -137,7 +137,7 @@ TEST(WireResult, ATreeWithoutColumnsIsRefused) {
 TEST(WireResult, MustBeOfTheCloudThatWasSent) { EXPECT_THAT(refusal(small_message(), 7), testing::HasSubstr("7")); }
 
 TEST(WireResult, MustAgreeWithItself) {
-  v1alpha1::SegmentationResult message = small_message();
+  v1::SegmentationResult message = small_message();
   message.mutable_summary()->set_segments(1);  // but a label is 2
   refusal(message);
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gmock/gmock.h"
-#include "segserve/v1alpha1/result.pb.h"
+#include "segserve/v1/result.pb.h"
 #include "segserve/wire/status.hpp"
 #include "test/proto/examples.hpp"
 
@@ -17,7 +17,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string refusal(const SegmentMessages& messages, std::uint32_t segments = 2, std::uint64_t points = 5) {
   const absl::Status status = from_message(messages, segments, points).status();
-  EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
   return std::string(status.message());
 }
 
@@ -55,13 +55,13 @@ TEST(WireSegments, FitAMessageOfTheSizeThatClientsReadByDefault) {
                   &large.box.half_extents, &*large.color, &*large.normal}) {
     *v = {1.0 / 3, 1.0 / 3, 1.0 / 3};  // no zero, which takes no bytes
   }
-  v1alpha1::SegmentationResult result;
+  v1::SegmentationResult result;
   *result.mutable_segments() = to_message(std::vector<SegmentStatistics>(kMostDescribedSegments, large));
   EXPECT_LT(result.ByteSizeLong(), kDefaultReceiveBytes / 8 * 5) << "the rest is for summary and header";
 }
 
 TEST(WireSegments, MustBeSegments) {
-  using Damage = std::function<void(v1alpha1::Segment&)>;
+  using Damage = std::function<void(v1::Segment&)>;
   const std::pair<Damage, const char*> cases[] = {
       {[](auto& s) { s.set_points(0); }, "segment 1: points: 0"},
       {[](auto& s) { s.mutable_centroid()->set_y(kNan); }, "centroid"},

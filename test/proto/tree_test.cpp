@@ -17,20 +17,20 @@ using testing::HasSubstr;
 constexpr std::uint32_t kLeaves = 3, kPoints = 5;  // of small_tree
 constexpr std::uint64_t kAbsurd = std::uint64_t{1} << 62U;
 
-v1alpha1::MergeTree small_message() { return to_message(small_tree(), v1alpha1::COMPRESSION_NONE).value(); }
+v1::MergeTree small_message() { return to_message(small_tree(), v1::COMPRESSION_NONE).value(); }
 
 /// The message of the refusal of the small tree after a change.
 template <typename Change>
 std::string refusal(Change&& change) {
-  v1alpha1::MergeTree message = small_message();
+  v1::MergeTree message = small_message();
   change(message);
   const absl::Status status = from_message(message, kLeaves, kPoints).status();
-  EXPECT_EQ(details_of(status).reason, v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
   return std::string(status.message());
 }
 
-v1alpha1::IntegerArray array(const std::vector<std::uint32_t>& values) {
-  return to_message(values, v1alpha1::COMPRESSION_NONE).value();
+v1::IntegerArray array(const std::vector<std::uint32_t>& values) {
+  return to_message(values, v1::COMPRESSION_NONE).value();
 }
 
 std::string bytes_of(const std::vector<double>& values) {
@@ -38,7 +38,7 @@ std::string bytes_of(const std::vector<double>& values) {
 }
 
 TEST(WireTree, RoundTrips) {
-  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
     EXPECT_EQ(from_message(to_message(small_tree(), compression).value(), kLeaves, kPoints).value(), small_tree());
     EXPECT_EQ(from_message(to_message(MergeTree{}, compression).value(), 0, 0).value(), MergeTree{});
     for (const std::uint32_t leaves : {1U, 2U, 200U, 300U, 70'000U}) {
@@ -49,7 +49,7 @@ TEST(WireTree, RoundTrips) {
 }
 
 TEST(WireTree, IsTheDocumentedBytes) {
-  const v1alpha1::MergeTree message = small_message();
+  const v1::MergeTree message = small_message();
   EXPECT_EQ(message.leaf_points().count(), 3U);
   EXPECT_EQ(message.leaf_points().bytes_per_value(), 1U);
   EXPECT_EQ(message.leaf_points().data().data(), std::string("\2\2\1"));
@@ -60,12 +60,12 @@ TEST(WireTree, IsTheDocumentedBytes) {
 }
 
 TEST(WireTree, CompressesTheColumnsThatGetSmaller) {
-  const v1alpha1::MergeTree small = to_message(small_tree(), v1alpha1::COMPRESSION_ZSTD).value();
-  EXPECT_EQ(small.weight().compression(), v1alpha1::COMPRESSION_NONE);
-  const v1alpha1::MergeTree large = to_message(chain_tree(70'000), v1alpha1::COMPRESSION_ZSTD).value();
-  EXPECT_EQ(large.leaf_points().data().compression(), v1alpha1::COMPRESSION_ZSTD);
-  EXPECT_EQ(large.weight().compression(), v1alpha1::COMPRESSION_ZSTD);
-  EXPECT_LT(large.ByteSizeLong(), to_message(chain_tree(70'000), v1alpha1::COMPRESSION_NONE)->ByteSizeLong() / 3);
+  const v1::MergeTree small = to_message(small_tree(), v1::COMPRESSION_ZSTD).value();
+  EXPECT_EQ(small.weight().compression(), v1::COMPRESSION_NONE);
+  const v1::MergeTree large = to_message(chain_tree(70'000), v1::COMPRESSION_ZSTD).value();
+  EXPECT_EQ(large.leaf_points().data().compression(), v1::COMPRESSION_ZSTD);
+  EXPECT_EQ(large.weight().compression(), v1::COMPRESSION_ZSTD);
+  EXPECT_LT(large.ByteSizeLong(), to_message(chain_tree(70'000), v1::COMPRESSION_NONE)->ByteSizeLong() / 3);
 }
 
 TEST(WireTree, RefusesColumnsOfAnotherLength) {
@@ -79,7 +79,7 @@ TEST(WireTree, RefusesColumnsOfAnotherLength) {
   EXPECT_THAT(refusal([](auto& m) { m.mutable_left()->mutable_data()->mutable_data()->push_back('x'); }),
               HasSubstr("tree.left"));
   EXPECT_THAT(refusal([](auto& m) { m.Clear(); }), HasSubstr("tree.leaf_points: 0 values"));
-  const v1alpha1::MergeTree message = small_message();
+  const v1::MergeTree message = small_message();
   EXPECT_THAT(std::string(from_message(message, kLeaves + 1, kPoints).status().message()), HasSubstr("must have 4"));
 }
 
@@ -92,7 +92,7 @@ TEST(WireTree, BelievesNoLength) {
   EXPECT_THAT(refusal([](auto& m) { m.mutable_right()->set_bytes_per_value(3); }),
               HasSubstr("tree.right: 3 bytes per value"));
   // Where the summary agrees with an absurd number of supervoxels, there are no bytes to decompress so many from.
-  v1alpha1::MergeTree message = to_message(chain_tree(70'000), v1alpha1::COMPRESSION_ZSTD).value();
+  v1::MergeTree message = to_message(chain_tree(70'000), v1::COMPRESSION_ZSTD).value();
   constexpr std::uint32_t kMany = std::numeric_limits<std::uint32_t>::max();
   message.mutable_leaf_points()->set_count(kMany);
   message.mutable_leaf_points()->mutable_data()->set_decoded_bytes(kMany);

@@ -19,13 +19,13 @@ class Drain : public testing::Test {
   }
 
   Blockade blockade_;
-  const v1alpha1::SegmentRequest request_ = request_for(equal_points(9, 0, 0, 1));
+  const v1::SegmentRequest request_ = request_for(equal_points(9, 0, 0, 1));
 };
 
 TEST_F(Drain, CallsInFlightFinishNewOnesAreRefusedAndHealthSaysSo) {
   RunningServer server(small_server(), blocking_factory(blockade_));
   EXPECT_EQ(server.health(), HealthCheckResponse::SERVING);
-  EXPECT_EQ(server.health("segserve.v1alpha1.SegmentationService"), HealthCheckResponse::SERVING);
+  EXPECT_EQ(server.health("segserve.v1.SegmentationService"), HealthCheckResponse::SERVING);
   grpc::ClientContext computed, waiting;
   auto first = server.segment_later(computed, request_);
   ASSERT_TRUE(eventually([&] { return blockade_.entered() == 1; }));
@@ -34,16 +34,16 @@ TEST_F(Drain, CallsInFlightFinishNewOnesAreRefusedAndHealthSaysSo) {
 
   auto stopped = stop_later(server);
   ASSERT_TRUE(eventually([&] { return server.health() == HealthCheckResponse::NOT_SERVING; }));
-  EXPECT_EQ(server.health("segserve.v1alpha1.SegmentationService"), HealthCheckResponse::NOT_SERVING);
+  EXPECT_EQ(server.health("segserve.v1.SegmentationService"), HealthCheckResponse::NOT_SERVING);
   absl::Status refused;
   ASSERT_TRUE(eventually([&] {
     grpc::ClientContext context;
     context.set_deadline(std::chrono::system_clock::now() + 50ms);  // the gate closes a moment after health
-    v1alpha1::SegmentResponse response;
+    v1::SegmentResponse response;
     refused = wire::from_grpc(server.stub().Segment(&context, request_, &response));
     return refused.code() == absl::StatusCode::kUnavailable;
   }));
-  EXPECT_EQ(wire::details_of(refused).reason, v1alpha1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(wire::details_of(refused).reason, v1::ERROR_REASON_DRAINING);
   EXPECT_TRUE(wire::details_of(refused).retry_delay.has_value());
   EXPECT_EQ(stopped.wait_for(0ms), std::future_status::timeout);
 
@@ -94,7 +94,7 @@ TEST_F(Drain, AnIdleServerStillTellsLateCallsToGoElsewhere) {
   absl::Status refused;
   ASSERT_TRUE(eventually([&] { return !(refused = server.segment(request_).status()).ok(); }));
   EXPECT_EQ(refused.code(), absl::StatusCode::kUnavailable) << refused;
-  EXPECT_EQ(wire::details_of(refused).reason, v1alpha1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(wire::details_of(refused).reason, v1::ERROR_REASON_DRAINING);
   EXPECT_TRUE(stopped.get());
 }
 

@@ -10,9 +10,9 @@
 namespace segserve::server {
 namespace {
 
-v1alpha1::GetServerInfoResponse info_of(RunningServer& server) {
+v1::GetServerInfoResponse info_of(RunningServer& server) {
   grpc::ClientContext context;
-  v1alpha1::GetServerInfoResponse info;
+  v1::GetServerInfoResponse info;
   const grpc::Status status = server.stub().GetServerInfo(&context, {}, &info);
   EXPECT_TRUE(status.ok()) << status.error_message();
   return info;
@@ -28,7 +28,7 @@ TEST(ServerInfo, TellsTheLimitsOfThisServer) {
   options.max_points = 1234;
   options.max_decoded_bytes = 56'789;
   RunningServer server(options);
-  const v1alpha1::GetServerInfoResponse info = info_of(server);
+  const v1::GetServerInfoResponse info = info_of(server);
   EXPECT_FALSE(info.version().empty());
   EXPECT_EQ(info.limits().workers(), 3U);
   EXPECT_EQ(info.limits().max_threads(), 2U);
@@ -39,19 +39,18 @@ TEST(ServerInfo, TellsTheLimitsOfThisServer) {
   EXPECT_EQ(info.limits().max_decoded_bytes(), 56'789U);
   EXPECT_EQ(info.limits().max_message_bytes(), wire::kMaxRequestBytes);
   EXPECT_THAT(info.payload_kinds(),
-              testing::ElementsAre(v1alpha1::PAYLOAD_KIND_PLANAR, v1alpha1::PAYLOAD_KIND_PCD_FILE,
-                                   v1alpha1::PAYLOAD_KIND_STRIDED, v1alpha1::PAYLOAD_KIND_QUANTISED,
-                                   v1alpha1::PAYLOAD_KIND_RGBD));
-  EXPECT_THAT(info.compressions(), testing::ElementsAre(v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD));
+              testing::ElementsAre(v1::PAYLOAD_KIND_PLANAR, v1::PAYLOAD_KIND_PCD_FILE, v1::PAYLOAD_KIND_STRIDED,
+                                   v1::PAYLOAD_KIND_QUANTISED, v1::PAYLOAD_KIND_RGBD));
+  EXPECT_THAT(info.compressions(), testing::ElementsAre(v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD));
 }
 
 TEST(ServerInfo, TellsEveryMethodAndOptionOfCore) {
   ServerOptions options = small_server();
   options.defaults.voxel_resolution = 0.016;
   RunningServer server(options);
-  const v1alpha1::GetServerInfoResponse info = info_of(server);
+  const v1::GetServerInfoResponse info = info_of(server);
   ASSERT_EQ(static_cast<std::size_t>(info.methods_size()), all_methods().size());
-  for (const v1alpha1::MethodInfo& method : info.methods()) {
+  for (const v1::MethodInfo& method : info.methods()) {
     const auto ours = method_from_name(method.name());
     ASSERT_TRUE(ours.has_value()) << method.name();
     EXPECT_EQ(wire::from_message(method.method()), ours);
@@ -69,8 +68,8 @@ TEST(ServerInfo, DefaultsAreThoseOfThisServer) {
   options.defaults.threshold = 0.5;
   RunningServer server(options);
   std::map<std::string, double> defaults;
-  const v1alpha1::GetServerInfoResponse info = info_of(server);
-  for (const v1alpha1::OptionInfo& option : info.options()) {
+  const v1::GetServerInfoResponse info = info_of(server);
+  for (const v1::OptionInfo& option : info.options()) {
     if (option.has_default_value()) defaults[option.name()] = option.default_value();
   }
   EXPECT_EQ(defaults.at("voxel_resolution"), 0.016);
@@ -109,7 +108,7 @@ std::string reflected_services(RunningServer& server) {
 TEST(Reflection, ListsOurServiceAndHealth) {
   RunningServer server;
   const std::string services = reflected_services(server);
-  EXPECT_THAT(services, testing::HasSubstr("segserve.v1alpha1.SegmentationService"));
+  EXPECT_THAT(services, testing::HasSubstr("segserve.v1.SegmentationService"));
   EXPECT_THAT(services, testing::HasSubstr("grpc.health.v1.Health"));
 }
 

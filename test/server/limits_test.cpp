@@ -15,11 +15,11 @@ namespace {
 using testing::Contains;
 using testing::Pair;
 
-wire::ErrorDetails over_limit(RunningServer& server, const v1alpha1::SegmentRequest& request) {
+wire::ErrorDetails over_limit(RunningServer& server, const v1::SegmentRequest& request) {
   const absl::Status status = server.segment(request).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
   const wire::ErrorDetails details = wire::details_of(status);
-  EXPECT_EQ(details.reason, v1alpha1::ERROR_REASON_LIMIT_EXCEEDED) << status;
+  EXPECT_EQ(details.reason, v1::ERROR_REASON_LIMIT_EXCEEDED) << status;
   return details;
 }
 
@@ -28,7 +28,7 @@ TEST(Limits, TooManyPointsInEveryPayload) {
   options.max_points = 99;
   RunningServer server(options);
   const Cloud cloud = equal_points(100, 0, 0, 1);
-  for (const auto& request : {request_for(cloud), request_for(cloud, v1alpha1::COMPRESSION_ZSTD),
+  for (const auto& request : {request_for(cloud), request_for(cloud, v1::COMPRESSION_ZSTD),
                               request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kBinaryCompressed))}) {
     const wire::ErrorDetails details = over_limit(server, request);
     EXPECT_THAT(details.metadata, testing::UnorderedElementsAre(Pair("limit", "max_points"), Pair("allowed", "99"),
@@ -41,8 +41,8 @@ TEST(Limits, TooManyDecodedBytes) {
   ServerOptions options = small_server();
   options.max_decoded_bytes = 100 * 15;
   RunningServer server(options);
-  EXPECT_TRUE(server.segment(request_for(equal_points(100, 0, 0, 1), v1alpha1::COMPRESSION_ZSTD)).ok());
-  const auto details = over_limit(server, request_for(equal_points(101, 0, 0, 1), v1alpha1::COMPRESSION_ZSTD));
+  EXPECT_TRUE(server.segment(request_for(equal_points(100, 0, 0, 1), v1::COMPRESSION_ZSTD)).ok());
+  const auto details = over_limit(server, request_for(equal_points(101, 0, 0, 1), v1::COMPRESSION_ZSTD));
   EXPECT_THAT(details.metadata, Contains(Pair("limit", "max_decoded_bytes")));
 }
 
@@ -70,7 +70,7 @@ TEST(Limits, ThreadsAreLoweredToTheServersLimit) {
                          result.labels.assign(cloud.size(), 0);
                          return absl::StatusOr<Segmentation>(result);
                        }));
-  v1alpha1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
+  v1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
   request.mutable_options()->set_threads(16);
   EXPECT_TRUE(server.segment(request).ok());
   EXPECT_EQ(used, 2U);
@@ -81,7 +81,7 @@ TEST(Limits, AFullQueueSaysWhenToTryAgain) {
   ServerOptions options = small_server();
   options.queue = 1;
   RunningServer server(options, blocking_factory(blockade));
-  const v1alpha1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
+  const v1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
   grpc::ClientContext first_context, second_context;
   auto first = server.segment_later(first_context, request);
   ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
@@ -91,7 +91,7 @@ TEST(Limits, AFullQueueSaysWhenToTryAgain) {
   const absl::Status refused = server.segment(request).status();
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
   const wire::ErrorDetails details = wire::details_of(refused);
-  EXPECT_EQ(details.reason, v1alpha1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(details.reason, v1::ERROR_REASON_QUEUE_FULL);
   EXPECT_THAT(details.metadata,
               testing::UnorderedElementsAre(Pair("limit", "max_queue"), Pair("allowed", "2"), Pair("actual", "3")));
   ASSERT_TRUE(details.retry_delay.has_value());
@@ -109,7 +109,7 @@ TEST(Limits, AQueueFullOfPointsSaysSo) {
   options.max_points = 100;
   options.queue_points = 150;
   RunningServer server(options, blocking_factory(blockade));
-  const v1alpha1::SegmentRequest request = request_for(equal_points(100, 0, 0, 1));
+  const v1::SegmentRequest request = request_for(equal_points(100, 0, 0, 1));
   grpc::ClientContext first_context;
   auto first = server.segment_later(first_context, request);
   ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
@@ -128,7 +128,7 @@ TEST(Limits, AClientThatFillsTheQueueMakesWayForAnother) {
   ServerOptions options = small_server();
   options.queue = 2;
   RunningServer server(options, blocking_factory(blockade));
-  const v1alpha1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
+  const v1::SegmentRequest request = request_for(equal_points(9, 0, 0, 1));
   std::vector<grpc::ClientContext> contexts(3);
   std::vector<std::future<absl::Status>> calls;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -150,7 +150,7 @@ TEST(Limits, AClientThatFillsTheQueueMakesWayForAnother) {
   }
   ASSERT_EQ(failed.size(), 1U);
   EXPECT_EQ(failed[0].code(), absl::StatusCode::kResourceExhausted) << failed[0];
-  EXPECT_EQ(wire::details_of(failed[0]).reason, v1alpha1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(wire::details_of(failed[0]).reason, v1::ERROR_REASON_QUEUE_FULL);
   EXPECT_TRUE(wire::details_of(failed[0]).retry_delay.has_value());
 }
 

@@ -9,7 +9,7 @@
 #include "grpcpp/grpcpp.h"
 #include "gtest/gtest.h"
 #include "segserve/server/server.hpp"
-#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/status.hpp"
 
@@ -32,36 +32,36 @@ class RunningServer {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(wire::kClientReceiveBytes);
     channel_ = grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments);
-    stub_ = v1alpha1::SegmentationService::NewStub(channel_);
+    stub_ = v1::SegmentationService::NewStub(channel_);
   }
 
   Server& server() { return *server_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
-  v1alpha1::SegmentationService::Stub& stub() { return *stub_; }
+  v1::SegmentationService::Stub& stub() { return *stub_; }
 
-  absl::StatusOr<v1alpha1::SegmentResponse> segment(const v1alpha1::SegmentRequest& request) {
+  absl::StatusOr<v1::SegmentResponse> segment(const v1::SegmentRequest& request) {
     grpc::ClientContext context;
-    v1alpha1::SegmentResponse response;
+    v1::SegmentResponse response;
     const grpc::Status status = stub_->Segment(&context, request, &response);
     if (!status.ok()) return wire::from_grpc(status);
     return response;
   }
 
   /// The same on a connection of its own: as another client.
-  absl::Status segment_from_elsewhere(const v1alpha1::SegmentRequest& request) {
+  absl::Status segment_from_elsewhere(const v1::SegmentRequest& request) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-    const auto stub = v1alpha1::SegmentationService::NewStub(
+    const auto stub = v1::SegmentationService::NewStub(
         grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments));
     grpc::ClientContext context;
-    v1alpha1::SegmentResponse response;
+    v1::SegmentResponse response;
     return wire::from_grpc(stub->Segment(&context, request, &response));
   }
 
   /// A call in a thread of its own. The context, which can cancel it, must outlive the call.
-  std::future<absl::Status> segment_later(grpc::ClientContext& context, v1alpha1::SegmentRequest request) {
+  std::future<absl::Status> segment_later(grpc::ClientContext& context, v1::SegmentRequest request) {
     return std::async(std::launch::async, [this, &context, request = std::move(request)] {
-      v1alpha1::SegmentResponse response;
+      v1::SegmentResponse response;
       return wire::from_grpc(stub_->Segment(&context, request, &response));
     });
   }
@@ -79,7 +79,7 @@ class RunningServer {
  private:
   std::unique_ptr<Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
-  std::unique_ptr<v1alpha1::SegmentationService::Stub> stub_;
+  std::unique_ptr<v1::SegmentationService::Stub> stub_;
 };
 
 }  // namespace segserve::server

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "segserve/cloud/cloud.hpp"
-#include "segserve/v1alpha1/segmentation_service.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 #include "segserve/wire/cloud.hpp"
 #include "segserve/wire/request.hpp"
 
@@ -44,15 +44,14 @@ inline Cloud equal_points(std::uint32_t count, float x, float y, float z, View v
   return cloud;
 }
 
-inline v1alpha1::SegmentRequest request_for(const CloudView& cloud,
-                                            v1alpha1::Compression compression = v1alpha1::COMPRESSION_NONE) {
-  v1alpha1::SegmentRequest request;
+inline v1::SegmentRequest request_for(const CloudView& cloud, v1::Compression compression = v1::COMPRESSION_NONE) {
+  v1::SegmentRequest request;
   *request.mutable_cloud() = wire::to_planar_message(cloud, compression).value();
   return request;
 }
 
-inline v1alpha1::SegmentRequest request_for_pcd(std::string file) {
-  v1alpha1::SegmentRequest request;
+inline v1::SegmentRequest request_for_pcd(std::string file) {
+  v1::SegmentRequest request;
   *request.mutable_cloud() = wire::to_pcd_message(std::move(file), std::nullopt);
   return request;
 }

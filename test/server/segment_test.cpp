@@ -13,10 +13,10 @@ namespace segserve::server {
 namespace {
 
 constexpr wire::Outputs kEverything{
-    .labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1alpha1::COMPRESSION_ZSTD};
+    .labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD};
 
 /// What the server answers, back as core's types.
-wire::Result ask(RunningServer& server, v1alpha1::SegmentRequest request, std::size_t points) {
+wire::Result ask(RunningServer& server, v1::SegmentRequest request, std::size_t points) {
   *request.mutable_outputs() = wire::to_message(kEverything);
   const auto response = server.segment(request);
   EXPECT_TRUE(response.ok()) << response.status();
@@ -42,14 +42,14 @@ TEST(Segment, EveryPayloadGivesTheLabelsOfALocalRun) {
   const Cloud cloud = wall_with_box();
   const Segmentation local = segment(cloud, {}).value();
   ASSERT_GE(local.segments, 2U) << "a scene that tests something";
-  const std::vector<v1alpha1::SegmentRequest> requests = {
-      request_for(cloud, v1alpha1::COMPRESSION_NONE),
-      request_for(cloud, v1alpha1::COMPRESSION_ZSTD),
+  const std::vector<v1::SegmentRequest> requests = {
+      request_for(cloud, v1::COMPRESSION_NONE),
+      request_for(cloud, v1::COMPRESSION_ZSTD),
       request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kAscii)),
       request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kBinary)),
       request_for_pcd(codec::encode_pcd(cloud, {}, codec::PcdEncoding::kBinaryCompressed)),
   };
-  for (const v1alpha1::SegmentRequest& request : requests) {
+  for (const v1::SegmentRequest& request : requests) {
     SCOPED_TRACE(request.cloud().payload_case());
     expect_equal(ask(server, request, cloud.size()).segmentation, local);
   }
@@ -63,7 +63,7 @@ TEST(Segment, EveryCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
   const Cloud cloud = wall_with_box();
   for (const wire::CodecInfo& codec : wire::codecs()) {
     SCOPED_TRACE(codec.name);
-    v1alpha1::SegmentRequest request;
+    v1::SegmentRequest request;
     *request.mutable_cloud() = wire::to_message(cloud, {.codec = codec.codec}).value();
     const Cloud decoded = wire::decode_cloud(request.cloud(), {.draco = true}).value().cloud;
     const Segmentation local = segment(decoded, {}).value();
@@ -80,7 +80,7 @@ TEST(Segment, EveryCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
 TEST(Segment, DracoIsRefusedUnlessTheServerEnablesIt) {
   if (!codec::draco_is_built()) GTEST_SKIP() << "built without Draco";
   RunningServer server;
-  v1alpha1::SegmentRequest request;
+  v1::SegmentRequest request;
   *request.mutable_cloud() = wire::to_message(wall_with_box(), {.codec = wire::Codec::kDraco}).value();
   const absl::Status status = server.segment(request).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
@@ -95,7 +95,7 @@ TEST(Segment, EveryMethodAndCutGivesTheLabelsOfALocalRun) {
     options.method = method;
     if (method == Method::kColor) options.regions = 3;
     if (method == Method::kFixedLambda) options.threshold = 0.3;
-    v1alpha1::SegmentRequest request = request_for(cloud);
+    v1::SegmentRequest request = request_for(cloud);
     *request.mutable_options() = wire::to_message(options);
     const wire::Result result = ask(server, request, cloud.size());
     SCOPED_TRACE(name(method));
@@ -111,7 +111,7 @@ TEST(Segment, DescribesTheSegmentsOfWhatItDecoded) {
   RunningServer server;
   const Cloud cloud = wall_with_box();
   for (const wire::Codec codec : {wire::Codec::kPlanar, wire::Codec::kQuantised}) {
-    v1alpha1::SegmentRequest request;
+    v1::SegmentRequest request;
     *request.mutable_cloud() = wire::to_message(cloud, {.codec = codec}).value();
     const Cloud decoded = wire::decode_cloud(request.cloud(), {}).value().cloud;
     Segmentation local = segment(decoded, {}).value();
@@ -128,7 +128,7 @@ TEST(Segment, LeavesOutWhatTheOptionsSay) {
   const Cloud cloud = wall_with_box();
   for (const Options& options : {Options{.crop_max_x = 0.1}, Options{.range_max = 1.3}, Options{.crop_min_z = 1},
                                  Options{.support_plane_distance = 0.01}}) {
-    v1alpha1::SegmentRequest request = request_for(cloud);
+    v1::SegmentRequest request = request_for(cloud);
     *request.mutable_options() = wire::to_message(options);
     const Segmentation local = segment(cloud, options).value();
     ASSERT_LT(local.segmented_points, local.finite_points) << "something to leave out";
@@ -146,7 +146,7 @@ TEST(Segment, WithoutColourAndInAWorldView) {
 
 TEST(Segment, EchoesWhatTheCallerSaid) {
   RunningServer server;
-  v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  v1::SegmentRequest request = request_for(wall_with_box());
   request.set_request_id("frame 7");
   request.set_frame_id("kinect");
   request.mutable_stamp()->set_seconds(1'700'000'000);
@@ -164,13 +164,13 @@ TEST(Segment, SendsOnlyWhatWasAskedFor) {
   const auto labels_only = server.segment(request_for(wall_with_box()));
   ASSERT_TRUE(labels_only.ok()) << labels_only.status();
   EXPECT_TRUE(labels_only->result().has_labels());
-  EXPECT_EQ(labels_only->result().labels().data().compression(), v1alpha1::COMPRESSION_NONE);
+  EXPECT_EQ(labels_only->result().labels().data().compression(), v1::COMPRESSION_NONE);
   EXPECT_FALSE(labels_only->result().has_supervoxels());
   EXPECT_FALSE(labels_only->result().has_tree());
   EXPECT_EQ(labels_only->result().segments_size(), 0);
   EXPECT_EQ(labels_only->result().summary().timings().segments_ms(), 0);
 
-  v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  v1::SegmentRequest request = request_for(wall_with_box());
   request.mutable_outputs()->set_tree(true);
   const auto tree_only = server.segment(request);
   ASSERT_TRUE(tree_only.ok()) << tree_only.status();
@@ -195,7 +195,7 @@ TEST(Segment, ManyClientsAtOnceGetTheSameLabels) {
   ServerOptions options = small_server();
   options.workers = 3;
   RunningServer server(options);
-  const v1alpha1::SegmentRequest request = request_for(wall_with_box());
+  const v1::SegmentRequest request = request_for(wall_with_box());
   const std::string expected = server.segment(request)->result().labels().SerializeAsString();
   std::vector<std::future<std::string>> answers;
   for (int i = 0; i < 12; ++i) {

@@ -13,7 +13,7 @@ class Stop : public testing::Test {
  protected:
   Blockade blockade_;
   RunningServer server_{small_server(), blocking_factory(blockade_)};
-  const v1alpha1::SegmentRequest request_ = request_for(equal_points(9, 0, 0, 1));
+  const v1::SegmentRequest request_ = request_for(equal_points(9, 0, 0, 1));
 };
 
 TEST_F(Stop, CancellationEndsTheComputation) {
@@ -60,7 +60,7 @@ TEST_F(Stop, TheWorkerServesOthersAfterwards) {
 
 TEST(StopCore, CancellationReachesThePipeline) {
   RunningServer server;
-  v1alpha1::SegmentRequest request = request_for(wall_with_box(900, 600));
+  v1::SegmentRequest request = request_for(wall_with_box(900, 600));
   grpc::ClientContext context;
   auto call = server.segment_later(context, request);
   ASSERT_TRUE(eventually([&] { return server.server().calls() == 1; }));

@@ -18,7 +18,7 @@ struct Encoding {
   std::string name;  ///< for people
   /// Any codec, to be called by several threads at once.
   std::function<absl::StatusOr<client::Payload>(const CloudView&)> encode;
-  v1alpha1::Compression of_answer = v1alpha1::COMPRESSION_NONE;  ///< what arrays of the results may have
+  v1::Compression of_answer = v1::COMPRESSION_NONE;  ///< what arrays of the results may have
 };
 
 /// How frames are made. Neither list may be empty.

@@ -11,7 +11,7 @@ namespace {
 /// Nobody answered: the error is gRPC's own and knows nothing of the server.
 bool is_of_connection(const absl::Status& status, const wire::ErrorDetails& details) {
   const bool candidate = absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status);
-  return candidate && details.reason == v1alpha1::ERROR_REASON_UNSPECIFIED;
+  return candidate && details.reason == v1::ERROR_REASON_UNSPECIFIED;
 }
 
 }  // namespace

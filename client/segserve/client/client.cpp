@@ -16,20 +16,20 @@
 #include "segserve/client/request.hpp"
 #include "segserve/client/retry.hpp"
 #include "segserve/client/stream_driver.hpp"
-#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 #include "segserve/wire/limits.hpp"
 #include "segserve/wire/status.hpp"
 
 namespace segserve::client {
 namespace {
 
-using Service = v1alpha1::SegmentationService;
+using Service = v1::SegmentationService;
 using Health = grpc::health::v1::Health;
 using HealthRequest = grpc::health::v1::HealthCheckRequest;
 using HealthResponse = grpc::health::v1::HealthCheckResponse;
 
 bool is_too_large(const absl::Status& status) {
-  return wire::details_of(status).reason == v1alpha1::ERROR_REASON_LIMIT_EXCEEDED;
+  return wire::details_of(status).reason == v1::ERROR_REASON_LIMIT_EXCEEDED;
 }
 
 /// What came of a stream; a server without streams has the limits of a unary call only.
@@ -39,7 +39,7 @@ absl::StatusOr<Result> or_else(absl::StatusOr<Result> streamed, const absl::Stat
 }
 
 /// Of an encoded payload the server has counted the points.
-std::size_t claimed_points(const v1alpha1::SegmentResponse& response) { return response.result().summary().points(); }
+std::size_t claimed_points(const v1::SegmentResponse& response) { return response.result().summary().points(); }
 
 }  // namespace
 
@@ -80,7 +80,7 @@ absl::Status Client::call(std::optional<std::chrono::milliseconds> timeout, Atte
 
 bool Client::is_worth_another(const absl::Status& status, std::uint32_t tries, const AddressBook& book) const {
   if (!is_retryable(status)) return false;
-  const bool server_said_so = wire::details_of(status).reason != v1alpha1::ERROR_REASON_UNSPECIFIED;
+  const bool server_said_so = wire::details_of(status).reason != v1::ERROR_REASON_UNSPECIFIED;
   if (server_said_so) return tries < options_.retry.max_attempts;
   return options_.wait_for_server || !book.nobody_in_reach();
 }
@@ -124,9 +124,9 @@ absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::opt
   return segment_payload(pcd_payload(std::move(file_bytes), view), options, call);
 }
 
-absl::StatusOr<Result> Client::call_segment(const v1alpha1::SegmentRequest& request, const CallOptions& call,
+absl::StatusOr<Result> Client::call_segment(const v1::SegmentRequest& request, const CallOptions& call,
                                             std::optional<std::size_t> points) const {
-  v1alpha1::SegmentResponse response;
+  v1::SegmentResponse response;
   const absl::Status status = this->call(call.timeout, [&](const auto& channel, grpc::ClientContext& context) {
     return Service::Stub(channel).Segment(&context, request, &response);
   });

@@ -15,8 +15,8 @@
 #include "segserve/client/stream_options.hpp"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/options/options.hpp"
-#include "segserve/v1alpha1/segmentation_service.pb.h"
-#include "segserve/v1alpha1/server_info.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
+#include "segserve/v1/server_info.pb.h"
 #include "segserve/wire/codec.hpp"
 #include "segserve/wire/request.hpp"
 #include "segserve/wire/result.hpp"
@@ -65,7 +65,7 @@ struct CallOptions {
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
 };
 
-using ServerInfo = v1alpha1::GetServerInfoResponse;
+using ServerInfo = v1::GetServerInfoResponse;
 
 /// Connections to one or more servers. Copies share them; any number of threads may use them at the same time.
 /// Calls block until they end, at the latest at their deadline.
@@ -113,7 +113,7 @@ class Client {
   bool is_local_turn(const absl::Status& status) const;
 
   /// `points` is unset if only the server knows how many there are.
-  absl::StatusOr<Result> call_segment(const v1alpha1::SegmentRequest& request, const CallOptions& call,
+  absl::StatusOr<Result> call_segment(const v1::SegmentRequest& request, const CallOptions& call,
                                       std::optional<std::size_t> points) const;
   absl::StatusOr<Result> stream_one(Payload payload, const Options& options, const CallOptions& call) const;
 

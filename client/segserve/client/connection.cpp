@@ -10,7 +10,7 @@
 namespace segserve::client {
 namespace {
 
-using v1alpha1::SegmentStreamResponse;
+using v1::SegmentStreamResponse;
 
 /// No answer that we could want has more bytes: 100 million points with two labels of 4 bytes each, all of them leaves
 /// of a tree with 20 bytes for each.
@@ -22,7 +22,7 @@ absl::Status broken(std::string message) {
 
 }  // namespace
 
-Connection::Connection(v1alpha1::StreamOpen open) : open_(std::move(open)) {}
+Connection::Connection(v1::StreamOpen open) : open_(std::move(open)) {}
 
 bool Connection::has_turn() const { return opened_ && !ending() && upload_ == 0 && sent_.size() < credit_.frames(); }
 
@@ -35,7 +35,7 @@ Connection::Fit Connection::fit(std::uint64_t bytes) const {
   return bytes_used_ + bytes <= credit_.bytes() ? Fit::kNow : Fit::kLater;
 }
 
-void Connection::begin(std::uint64_t sequence, v1alpha1::FrameHeader header, Payload payload) {
+void Connection::begin(std::uint64_t sequence, v1::FrameHeader header, Payload payload) {
   upload_ = ++last_number_;
   header.set_sequence(upload_);
   *header.mutable_cloud() = payload.header();
@@ -55,7 +55,7 @@ void Connection::cancel(std::uint64_t sequence) {
   }
 }
 
-std::optional<Connection::Sent> Connection::next(v1alpha1::SegmentStreamRequest& message) {
+std::optional<Connection::Sent> Connection::next(v1::SegmentStreamRequest& message) {
   if (!open_sent_) {
     open_sent_ = true;
     *message.mutable_open() = open_;
@@ -77,7 +77,7 @@ std::optional<Connection::Sent> Connection::next(v1alpha1::SegmentStreamRequest&
   }
   if (upload_ == 0) return std::nullopt;
   const std::uint64_t sequence = sent_.at(upload_).sequence;
-  v1alpha1::FrameChunk& chunk = *message.mutable_chunk();
+  v1::FrameChunk& chunk = *message.mutable_chunk();
   chunk.set_sequence(upload_);
   const std::string_view bytes = payload_.next(chunk_bytes_);
   chunk.set_data(bytes.data(), bytes.size());
@@ -107,7 +107,7 @@ absl::StatusOr<Connection::Event> Connection::receive(SegmentStreamResponse& mes
   return Event{};
 }
 
-absl::StatusOr<Connection::Event> Connection::receive_opened(const v1alpha1::StreamOpened& opened) {
+absl::StatusOr<Connection::Event> Connection::receive_opened(const v1::StreamOpened& opened) {
   if (opened_) return broken("it opened the stream twice");
   if (opened.credit().frames() == 0 || opened.credit().bytes() == 0 || opened.max_chunk_bytes() == 0) {
     return broken("it granted no credit");
@@ -118,7 +118,7 @@ absl::StatusOr<Connection::Event> Connection::receive_opened(const v1alpha1::Str
   return Event{.kind = Event::kOpened};
 }
 
-absl::StatusOr<Connection::Event> Connection::receive_outcome(v1alpha1::FrameOutcome& outcome) {
+absl::StatusOr<Connection::Event> Connection::receive_outcome(v1::FrameOutcome& outcome) {
   const auto frame = sent_.find(outcome.sequence());
   if (frame == sent_.end()) return broken(fmt::format("it ended frame {}, which it does not have", outcome.sequence()));
   if (upload_ == outcome.sequence()) upload_ = 0;  // the rest is not wanted
@@ -137,7 +137,7 @@ absl::StatusOr<Connection::Event> Connection::receive_outcome(v1alpha1::FrameOut
   return Event{.kind = Event::kBegun, .sequence = frame->second.sequence};
 }
 
-absl::StatusOr<Connection::Event> Connection::receive_chunk(const v1alpha1::ResultChunk& chunk) {
+absl::StatusOr<Connection::Event> Connection::receive_chunk(const v1::ResultChunk& chunk) {
   if (!answer_ || chunk.sequence() != answer_->sequence()) return broken("a chunk of no result");
   if (chunk.data().empty() || !answer_bytes_.add(chunk.data())) {
     return broken(

@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/client/payload.hpp"
-#include "segserve/v1alpha1/segmentation_service.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 #include "segserve/wire/byte_run.hpp"
 
 namespace segserve::client {
@@ -20,7 +20,7 @@ namespace segserve::client {
 /// be sent twice on one connection.
 class Connection {
  public:
-  explicit Connection(v1alpha1::StreamOpen open);
+  explicit Connection(v1::StreamOpen open);
 
   bool opened() const { return opened_; }
   /// No new frame may begin: the server is about to stop, or end() was called.
@@ -37,7 +37,7 @@ class Connection {
   std::uint64_t credit_bytes() const { return credit_.bytes(); }
 
   /// The next frame. Only if has_turn() and the payload fits. The header's number, cloud, bytes and CRC are set here.
-  void begin(std::uint64_t sequence, v1alpha1::FrameHeader header, Payload payload);
+  void begin(std::uint64_t sequence, v1::FrameHeader header, Payload payload);
   /// Asks the server to leave the frame; its outcome comes all the same.
   void cancel(std::uint64_t sequence);
   /// No more frames: half-closes when the last upload is done.
@@ -48,34 +48,34 @@ class Connection {
     std::optional<std::uint64_t> sequence;  ///< whose payload it belongs to
     bool completes_payload = false;
   };
-  std::optional<Sent> next(v1alpha1::SegmentStreamRequest& message);
+  std::optional<Sent> next(v1::SegmentStreamRequest& message);
   /// True once nothing will be sent any more.
   bool wants_half_close() const;
 
   /// What a message from the server meant.
   struct Event {
     enum Kind { kNothing, kOpened, kDraining, kBegun, kOutcome } kind = kNothing;
-    std::uint64_t sequence = 0;           ///< kBegun, kOutcome
-    v1alpha1::FrameOutcome outcome = {};  ///< kOutcome: complete, the blocks of the result hold their bytes
-    bool intact = true;                   ///< kOutcome: false if its checksum differs
+    std::uint64_t sequence = 0;     ///< kBegun, kOutcome
+    v1::FrameOutcome outcome = {};  ///< kOutcome: complete, the blocks of the result hold their bytes
+    bool intact = true;             ///< kOutcome: false if its checksum differs
   };
   /// An error (INTERNAL) if the server broke the protocol; the connection is of no use then.
-  absl::StatusOr<Event> receive(v1alpha1::SegmentStreamResponse& message);
+  absl::StatusOr<Event> receive(v1::SegmentStreamResponse& message);
 
  private:
   struct SentFrame {
     std::uint64_t sequence = 0;
     std::uint64_t bytes = 0;
   };
-  absl::StatusOr<Event> receive_opened(const v1alpha1::StreamOpened& opened);
-  absl::StatusOr<Event> receive_outcome(v1alpha1::FrameOutcome& outcome);
-  absl::StatusOr<Event> receive_chunk(const v1alpha1::ResultChunk& chunk);
+  absl::StatusOr<Event> receive_opened(const v1::StreamOpened& opened);
+  absl::StatusOr<Event> receive_outcome(v1::FrameOutcome& outcome);
+  absl::StatusOr<Event> receive_chunk(const v1::ResultChunk& chunk);
   Event complete();
   void forget(std::uint64_t number);
 
-  v1alpha1::StreamOpen open_;
+  v1::StreamOpen open_;
   bool open_sent_ = false, opened_ = false, draining_ = false, ending_ = false;
-  v1alpha1::Credit credit_;  // granted
+  v1::Credit credit_;  // granted
   std::size_t chunk_bytes_ = 0;
   std::uint64_t bytes_used_ = 0;
   std::uint64_t last_number_ = 0;
@@ -83,10 +83,10 @@ class Connection {
   std::deque<std::uint64_t> cancels_;        // numbers on the wire
 
   std::uint64_t upload_ = 0;  // number of the frame whose payload is being sent; 0: none
-  std::optional<v1alpha1::FrameHeader> header_;
+  std::optional<v1::FrameHeader> header_;
   wire::OutgoingBytes payload_;
 
-  std::optional<v1alpha1::FrameOutcome> answer_;  // whose bytes are coming
+  std::optional<v1::FrameOutcome> answer_;  // whose bytes are coming
   wire::IncomingBytes answer_bytes_;
 };
 

@@ -9,7 +9,7 @@
 
 namespace segserve::client {
 
-Payload::Payload(v1alpha1::Cloud message, std::uint64_t points, std::uint64_t decoded_bytes) {
+Payload::Payload(v1::Cloud message, std::uint64_t points, std::uint64_t decoded_bytes) {
   auto data = std::make_shared<Data>();
   data->run = std::make_shared<const wire::ByteRun>(wire::payload_blocks(message));
   data->header = std::move(message);
@@ -18,8 +18,8 @@ Payload::Payload(v1alpha1::Cloud message, std::uint64_t points, std::uint64_t de
   data_ = std::move(data);
 }
 
-v1alpha1::Cloud Payload::message() const {
-  v1alpha1::Cloud message = header();
+v1::Cloud Payload::message() const {
+  v1::Cloud message = header();
   const std::vector<std::string*> empty = wire::payload_blocks(message);
   for (std::size_t i = 0; i < empty.size(); ++i) *empty[i] = run()->blocks()[i];
   return message;
@@ -38,7 +38,7 @@ Payload pcd_payload(std::string file_bytes, std::optional<View> view) {
 }
 
 Payload rgbd_payload(codec::RgbdFiles images) {
-  v1alpha1::Cloud message = wire::to_rgbd_message(std::move(images));
+  v1::Cloud message = wire::to_rgbd_message(std::move(images));
   const std::uint64_t points = std::uint64_t{message.width()} * message.height();
   return Payload(std::move(message), points);
 }

@@ -10,7 +10,7 @@
 #include "segserve/codec/labelled_cloud.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/pipeline/stop_token.hpp"
-#include "segserve/v1alpha1/cloud.pb.h"
+#include "segserve/v1/cloud.pb.h"
 #include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/codec.hpp"
 
@@ -20,11 +20,11 @@ namespace segserve::client {
 class Payload {
  public:
   Payload() = default;
-  /// Takes the bytes out of the message. `points` and `decoded_bytes` as in v1alpha1.FrameHeader; 0: not known.
-  explicit Payload(v1alpha1::Cloud message, std::uint64_t points = 0, std::uint64_t decoded_bytes = 0);
+  /// Takes the bytes out of the message. `points` and `decoded_bytes` as in v1.FrameHeader; 0: not known.
+  explicit Payload(v1::Cloud message, std::uint64_t points = 0, std::uint64_t decoded_bytes = 0);
 
   /// The message without the bytes of its blocks.
-  const v1alpha1::Cloud& header() const { return data_->header; }
+  const v1::Cloud& header() const { return data_->header; }
   /// The bytes. Never null.
   const std::shared_ptr<const wire::ByteRun>& run() const { return data_->run; }
   std::uint64_t bytes() const { return run()->size(); }
@@ -32,11 +32,11 @@ class Payload {
   std::uint64_t decoded_bytes() const { return data_->decoded_bytes; }
 
   /// The message with its bytes.
-  v1alpha1::Cloud message() const;
+  v1::Cloud message() const;
 
  private:
   struct Data {
-    v1alpha1::Cloud header;
+    v1::Cloud header;
     std::shared_ptr<const wire::ByteRun> run = std::make_shared<const wire::ByteRun>();
     std::uint64_t points = 0;
     std::uint64_t decoded_bytes = 0;

@@ -84,10 +84,10 @@ absl::StatusOr<std::string> encode_result_file(const Result& result) {
                               .supervoxels = true,
                               .tree = true,
                               .segments = !result.segmentation.statistics.empty(),
-                              .compression = v1alpha1::COMPRESSION_ZSTD};
+                              .compression = v1::COMPRESSION_ZSTD};
   auto message = wire::to_message(result, outputs);
   if (!message.ok()) return message.status();
-  v1alpha1::SegmentResponse response;
+  v1::SegmentResponse response;
   *response.mutable_result() = *std::move(message);
   if (response.ByteSizeLong() > kMaxPayload) {
     return absl::InvalidArgumentError(fmt::format(
@@ -106,7 +106,7 @@ absl::StatusOr<Result> decode_result_file(std::string_view bytes) {
   const std::string_view payload = bytes.substr(end_of_line + 1);
   if (absl::Status status = check_payload(payload, *header); !status.ok()) return status;
 
-  v1alpha1::SegmentResponse response;
+  v1::SegmentResponse response;
   if (!response.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
     return absl::InvalidArgumentError("the saved result is damaged: it is no SegmentResponse");
   }

@@ -12,7 +12,7 @@ namespace segserve::client {
 ///
 ///     segserve-result 2 <payload bytes, decimal> <CRC-32 of the payload, 8 hexadecimal digits>\n
 ///
-/// then the payload: a segserve.v1alpha1.SegmentResponse whose result has labels, supervoxels
+/// then the payload: a segserve.v1.SegmentResponse whose result has labels, supervoxels
 /// and tree (their blocks zstd-compressed where that is smaller), and the segments' statistics if it had them. To read
 /// it elsewhere, drop the first line and parse the rest.
 absl::StatusOr<std::string> encode_result_file(const Result& result);

@@ -12,7 +12,7 @@ bool is_retryable(const absl::Status& status) {
     case absl::StatusCode::kCancelled:
       return true;
     case absl::StatusCode::kDeadlineExceeded:
-      return wire::details_of(status).reason == v1alpha1::ERROR_REASON_UPLOAD_STALLED;
+      return wire::details_of(status).reason == v1::ERROR_REASON_UPLOAD_STALLED;
     default:
       return false;
   }

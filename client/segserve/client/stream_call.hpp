@@ -9,7 +9,7 @@
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
 #include "grpcpp/support/client_callback.h"
-#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 
 namespace segserve::client {
 
@@ -19,17 +19,16 @@ class StreamCallListener {
  public:
   virtual ~StreamCallListener() = default;
   /// Fills in what is to be sent; false if nothing is now.
-  virtual bool next_message(std::uint64_t call, v1alpha1::SegmentStreamRequest& message) = 0;
+  virtual bool next_message(std::uint64_t call, v1::SegmentStreamRequest& message) = 0;
   virtual bool wants_half_close(std::uint64_t call) = 0;
   virtual void on_written(std::uint64_t call) = 0;
-  virtual void on_message(std::uint64_t call, v1alpha1::SegmentStreamResponse& message) = 0;
+  virtual void on_message(std::uint64_t call, v1::SegmentStreamResponse& message) = 0;
   virtual void on_closed(std::uint64_t call, const absl::Status& status) = 0;
 };
 
 /// One SegmentStream call: moves messages between gRPC and its listener. Once started it must live until on_closed,
 /// and must not die in a thread of gRPC's (that of on_closed is one): gRPC 1.51 cannot destroy a channel there.
-class StreamCall final
-    : private grpc::ClientBidiReactor<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse> {
+class StreamCall final : private grpc::ClientBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse> {
  public:
   StreamCall(std::uint64_t id, std::string address, std::shared_ptr<grpc::Channel> channel,
              StreamCallListener& listener);
@@ -50,10 +49,10 @@ class StreamCall final
   const std::string address_;
   const std::shared_ptr<grpc::Channel> channel_;
   StreamCallListener& listener_;
-  v1alpha1::SegmentationService::Stub stub_;
+  v1::SegmentationService::Stub stub_;
   grpc::ClientContext context_;
-  v1alpha1::SegmentStreamRequest request_;
-  v1alpha1::SegmentStreamResponse response_;
+  v1::SegmentStreamRequest request_;
+  v1::SegmentStreamResponse response_;
 
   std::mutex mutex_;
   bool writing_ = false;  // a write is under way, or about to be

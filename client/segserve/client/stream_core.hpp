@@ -19,9 +19,9 @@ namespace segserve::client {
 /// An outcome whose result is still a message.
 struct RawOutcome {
   Outcome outcome;
-  v1alpha1::SegmentationResult message;  ///< kResult and not local
-  Payload payload;                       ///< kResult: what it is the result of
-  wire::Outputs outputs;                 ///< kResult: what was asked for
+  v1::SegmentationResult message;  ///< kResult and not local
+  Payload payload;                 ///< kResult: what it is the result of
+  wire::Outputs outputs;           ///< kResult: what was asked for
 };
 
 /// All that a stream decides, without threads, transport or clock: which frame goes where and when, what is sent
@@ -77,11 +77,11 @@ class StreamCore {
   // What connections do. Unknown ids are ignored.
 
   /// Fills in the next message of a connection; false if there is none now.
-  bool next_message(ConnectionId id, v1alpha1::SegmentStreamRequest& message, Time now);
+  bool next_message(ConnectionId id, v1::SegmentStreamRequest& message, Time now);
   bool wants_half_close(ConnectionId id) const;
   void on_sign_of_life(ConnectionId id, Time now);
   /// True if something changed that the application or time may act upon.
-  bool on_message(ConnectionId id, v1alpha1::SegmentStreamResponse& message, Time now);
+  bool on_message(ConnectionId id, v1::SegmentStreamResponse& message, Time now);
   void on_closed(ConnectionId id, const absl::Status& status, Time now);
 
   // Segmentation in this process.
@@ -98,7 +98,7 @@ class StreamCore {
   void on_local_result(std::uint64_t sequence, absl::StatusOr<Result> result, Time now);
 
   /// What a StreamOpen says.
-  static v1alpha1::StreamOpen open_message(const StreamOptions& options);
+  static v1::StreamOpen open_message(const StreamOptions& options);
 
  private:
   enum class State { kWaiting, kSent, kLocal, kDone };
@@ -128,7 +128,7 @@ class StreamCore {
   std::size_t occupied() const;
   Frame* pick(Time now);
   Frame* find(std::uint64_t sequence);
-  v1alpha1::FrameHeader header_of(const Frame& frame, Time now) const;
+  v1::FrameHeader header_of(const Frame& frame, Time now) const;
   void begin_frame(Link& link, ConnectionId id, Time now);
   void end_frame(Frame& frame, OutcomeKind kind, absl::Status status, Time now);
   void again(Frame& frame, absl::Status error, Time ready_at, Time now);

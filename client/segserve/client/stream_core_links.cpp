@@ -29,27 +29,27 @@ google::protobuf::Timestamp to_message(std::chrono::system_clock::time_point tim
   return message;
 }
 
-v1alpha1::WhenBehind to_message(WhenBehind when) {
+v1::WhenBehind to_message(WhenBehind when) {
   switch (when) {
     case WhenBehind::kDropOldest:
-      return v1alpha1::WHEN_BEHIND_DROP_OLDEST;
+      return v1::WHEN_BEHIND_DROP_OLDEST;
     case WhenBehind::kReject:
-      return v1alpha1::WHEN_BEHIND_REJECT;
+      return v1::WHEN_BEHIND_REJECT;
     case WhenBehind::kBlock:
-      return v1alpha1::WHEN_BEHIND_BLOCK;
+      return v1::WHEN_BEHIND_BLOCK;
   }
-  return v1alpha1::WHEN_BEHIND_BLOCK;
+  return v1::WHEN_BEHIND_BLOCK;
 }
 
-OutcomeKind from_message(v1alpha1::OutcomeKind kind) {
+OutcomeKind from_message(v1::OutcomeKind kind) {
   switch (kind) {
-    case v1alpha1::OUTCOME_KIND_RESULT:
+    case v1::OUTCOME_KIND_RESULT:
       return OutcomeKind::kResult;
-    case v1alpha1::OUTCOME_KIND_DROPPED:
+    case v1::OUTCOME_KIND_DROPPED:
       return OutcomeKind::kDropped;
-    case v1alpha1::OUTCOME_KIND_EXPIRED:
+    case v1::OUTCOME_KIND_EXPIRED:
       return OutcomeKind::kExpired;
-    case v1alpha1::OUTCOME_KIND_CANCELLED:
+    case v1::OUTCOME_KIND_CANCELLED:
       return OutcomeKind::kCancelled;
     default:
       return OutcomeKind::kFailed;
@@ -75,13 +75,13 @@ std::optional<std::chrono::milliseconds> retry_delay(const absl::Status& status)
 
 }  // namespace
 
-v1alpha1::StreamOpen StreamCore::open_message(const StreamOptions& options) {
-  v1alpha1::StreamOpen open;
+v1::StreamOpen StreamCore::open_message(const StreamOptions& options) {
+  v1::StreamOpen open;
   open.set_client_name(options.client_name);
   *open.mutable_options() = wire::to_message(options.options);
   *open.mutable_outputs() = wire::to_message(options.outputs);
   // A frame may be repeated, so only this side can keep the order in which frames were handed over.
-  open.set_order(v1alpha1::RESULT_ORDER_UNORDERED);
+  open.set_order(v1::RESULT_ORDER_UNORDERED);
   open.set_when_behind(to_message(options.when_behind));
   open.mutable_wanted()->set_frames(static_cast<std::uint32_t>(options.max_in_flight));
   open.mutable_wanted()->set_bytes(options.wanted_bytes);
@@ -152,8 +152,8 @@ StreamCore::Frame* StreamCore::pick(Time now) {
   return full ? nullptr : best;
 }
 
-v1alpha1::FrameHeader StreamCore::header_of(const Frame& frame, Time now) const {
-  v1alpha1::FrameHeader header;
+v1::FrameHeader StreamCore::header_of(const Frame& frame, Time now) const {
+  v1::FrameHeader header;
   header.set_request_id(frame.options.request_id);
   header.set_frame_id(frame.options.frame_id);
   if (frame.options.stamp) *header.mutable_stamp() = to_message(*frame.options.stamp);
@@ -190,7 +190,7 @@ void StreamCore::begin_frame(Link& link, ConnectionId id, Time now) {
   link.protocol.begin(frame->sequence, header_of(*frame, now), frame->payload);
 }
 
-bool StreamCore::next_message(ConnectionId id, v1alpha1::SegmentStreamRequest& message, Time now) {
+bool StreamCore::next_message(ConnectionId id, v1::SegmentStreamRequest& message, Time now) {
   const auto found = links_.find(id);
   if (found == links_.end() || !found->second.broken.ok()) return false;
   Link& link = found->second;
@@ -219,7 +219,7 @@ void StreamCore::on_sign_of_life(ConnectionId id, Time now) {
   link->second.probed_at.reset();
 }
 
-bool StreamCore::on_message(ConnectionId id, v1alpha1::SegmentStreamResponse& message, Time now) {
+bool StreamCore::on_message(ConnectionId id, v1::SegmentStreamResponse& message, Time now) {
   const auto found = links_.find(id);
   if (found == links_.end() || !found->second.broken.ok()) return false;
   Link& link = found->second;
@@ -262,7 +262,7 @@ void StreamCore::on_outcome(ConnectionId id, Connection::Event& event, Time now)
   if (!event.intact) {
     const absl::Status error =
         wire::with_reason(absl::AbortedError("the bytes of the result do not have the checksum that was announced"),
-                          v1alpha1::ERROR_REASON_CHECKSUM);
+                          v1::ERROR_REASON_CHECKSUM);
     return again(*frame, error, now, now);
   }
   if (kind == OutcomeKind::kResult) frame->raw.message = std::move(*event.outcome.mutable_result());

@@ -13,10 +13,10 @@ namespace segserve::client {
 /// A question that any living server answers at once.
 struct StreamDriver::Probe {
   explicit Probe(const std::shared_ptr<grpc::Channel>& channel) : stub(channel) {}
-  v1alpha1::SegmentationService::Stub stub;
+  v1::SegmentationService::Stub stub;
   grpc::ClientContext context;
-  v1alpha1::GetServerInfoRequest request;
-  v1alpha1::GetServerInfoResponse response;
+  v1::GetServerInfoRequest request;
+  v1::GetServerInfoResponse response;
 };
 
 StreamDriver::StreamDriver(std::shared_ptr<Channels> channels, StreamOptions options)
@@ -106,7 +106,7 @@ bool StreamDriver::exhausted() {
   return all_taken();
 }
 
-bool StreamDriver::next_message(std::uint64_t call, v1alpha1::SegmentStreamRequest& message) {
+bool StreamDriver::next_message(std::uint64_t call, v1::SegmentStreamRequest& message) {
   const std::lock_guard lock(mutex_);
   const bool is_header_due = core_.next_message(call, message, Clock::now());
   if (is_header_due && message.has_frame()) changed();  // one frame waits less
@@ -123,7 +123,7 @@ void StreamDriver::on_written(std::uint64_t call) {
   core_.on_sign_of_life(call, Clock::now());
 }
 
-void StreamDriver::on_message(std::uint64_t call, v1alpha1::SegmentStreamResponse& message) {
+void StreamDriver::on_message(std::uint64_t call, v1::SegmentStreamResponse& message) {
   const std::lock_guard lock(mutex_);
   if (core_.on_message(call, message, Clock::now())) changed();
 }

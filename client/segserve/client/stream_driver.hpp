@@ -33,10 +33,10 @@ class StreamDriver final : public StreamCallListener {
   std::optional<RawOutcome> next(std::optional<Time> until);
   bool exhausted();
 
-  bool next_message(std::uint64_t call, v1alpha1::SegmentStreamRequest& message) override;
+  bool next_message(std::uint64_t call, v1::SegmentStreamRequest& message) override;
   bool wants_half_close(std::uint64_t call) override;
   void on_written(std::uint64_t call) override;
-  void on_message(std::uint64_t call, v1alpha1::SegmentStreamResponse& message) override;
+  void on_message(std::uint64_t call, v1::SegmentStreamResponse& message) override;
   void on_closed(std::uint64_t call, const absl::Status& status) override;
 
  private:

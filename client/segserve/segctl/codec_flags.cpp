@@ -79,15 +79,15 @@ absl::StatusOr<std::optional<wire::CodecOptions>> CodecFlags::options() const {
   return options->front();
 }
 
-v1alpha1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec) {
-  if (!codec) return v1alpha1::COMPRESSION_NONE;
+v1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec) {
+  if (!codec) return v1::COMPRESSION_NONE;
   switch (codec->codec) {
     case wire::Codec::kPlanar:
     case wire::Codec::kStrided:
     case wire::Codec::kPcd:
-      return v1alpha1::COMPRESSION_NONE;
+      return v1::COMPRESSION_NONE;
     default:
-      return v1alpha1::COMPRESSION_ZSTD;
+      return v1::COMPRESSION_ZSTD;
   }
 }
 

@@ -34,6 +34,6 @@ class CodecFlags {
 };
 
 /// Of the answer: who saves bytes on the way there does so on the way back.
-v1alpha1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec);
+v1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec);
 
 }  // namespace segserve::segctl

@@ -25,7 +25,7 @@ constexpr const char* kFooter = R"(Examples:
   segctl cut scene.segres --regions 8 --cloud scene.pcd -o labelled.ply --picture segments.png
 
 The saved result is one line of text, "segserve-result 2 BYTES CRC32", where BYTES is the size of
-the rest and CRC32 its checksum in hexadecimal, and then a segserve.v1alpha1.SegmentResponse
+the rest and CRC32 its checksum in hexadecimal, and then a segserve.v1.SegmentResponse
 (protobuf) with labels, supervoxels and merge tree: to read it elsewhere, drop the first line.
 
 Exit codes: 0 done; 1 failed (disk full); 2 bad input or usage.)";

@@ -37,7 +37,7 @@ std::string short_name(std::string text, std::string_view prefix) {
   return text;
 }
 
-Json limits_json(const v1alpha1::Limits& limits) {
+Json limits_json(const v1::Limits& limits) {
   return {{"max_message_bytes", limits.max_message_bytes()},
           {"max_points", limits.max_points()},
           {"max_decoded_bytes", limits.max_decoded_bytes()},
@@ -58,7 +58,7 @@ Json codecs_json(const client::ServerInfo& info) {
   return list;
 }
 
-Json option_json(const v1alpha1::OptionInfo& option) {
+Json option_json(const v1::OptionInfo& option) {
   return {{"name", option.name()},
           {"unit", option.unit()},
           {"minimum", option.minimum()},
@@ -68,7 +68,7 @@ Json option_json(const v1alpha1::OptionInfo& option) {
 }
 
 std::string default_method(const client::ServerInfo& info) {
-  for (const v1alpha1::MethodInfo& method : info.methods()) {
+  for (const v1::MethodInfo& method : info.methods()) {
     if (method.method() == info.default_options().method()) return method.name();
   }
   return "";
@@ -79,26 +79,26 @@ Json to_json(const client::ServerInfo& info) {
   json["version"] = info.version();
   json["payload_kinds"] = Json::array();
   for (const int kind : info.payload_kinds()) {
-    const auto text = v1alpha1::PayloadKind_Name(static_cast<v1alpha1::PayloadKind>(kind));
+    const auto text = v1::PayloadKind_Name(static_cast<v1::PayloadKind>(kind));
     json["payload_kinds"].push_back(short_name(text, "PAYLOAD_KIND_"));
   }
   json["compressions"] = Json::array();
   for (const int compression : info.compressions()) {
-    const auto text = v1alpha1::Compression_Name(static_cast<v1alpha1::Compression>(compression));
+    const auto text = v1::Compression_Name(static_cast<v1::Compression>(compression));
     json["compressions"].push_back(short_name(text, "COMPRESSION_"));
   }
   json["codecs"] = codecs_json(info);
   json["limits"] = limits_json(info.limits());
   json["default_method"] = default_method(info);
   json["methods"] = Json::array();
-  for (const v1alpha1::MethodInfo& method : info.methods()) {
+  for (const v1::MethodInfo& method : info.methods()) {
     json["methods"].push_back({{"name", method.name()},
                                {"default_threshold", method.defaults().threshold()},
                                {"default_voxel_resolution", method.defaults().voxel_resolution()},
                                {"default_seed_resolution", method.defaults().seed_resolution()}});
   }
   json["options"] = Json::array();
-  for (const v1alpha1::OptionInfo& option : info.options()) json["options"].push_back(option_json(option));
+  for (const v1::OptionInfo& option : info.options()) json["options"].push_back(option_json(option));
   return json;
 }
 

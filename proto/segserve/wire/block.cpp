@@ -13,33 +13,33 @@ constexpr int kZstdLevel = 1;
 
 }  // namespace
 
-absl::StatusOr<v1alpha1::Block> to_block(std::string bytes, v1alpha1::Compression compression) {
-  if (compression != v1alpha1::COMPRESSION_ZSTD) return to_raw_block(std::move(bytes));
+absl::StatusOr<v1::Block> to_block(std::string bytes, v1::Compression compression) {
+  if (compression != v1::COMPRESSION_ZSTD) return to_raw_block(std::move(bytes));
   absl::StatusOr<std::string> compressed = codec::zstd_compress(bytes, kZstdLevel);
   if (!compressed.ok()) return compressed.status();
   if (compressed->size() >= bytes.size()) return to_raw_block(std::move(bytes));
-  v1alpha1::Block block;
-  block.set_compression(v1alpha1::COMPRESSION_ZSTD);
+  v1::Block block;
+  block.set_compression(v1::COMPRESSION_ZSTD);
   block.set_decoded_bytes(bytes.size());
   block.set_encoded_bytes(compressed->size());
   block.set_data(*std::move(compressed));
   return block;
 }
 
-v1alpha1::Block to_raw_block(std::string bytes) {
-  v1alpha1::Block block;
-  block.set_compression(v1alpha1::COMPRESSION_NONE);
+v1::Block to_raw_block(std::string bytes) {
+  v1::Block block;
+  block.set_compression(v1::COMPRESSION_NONE);
   block.set_decoded_bytes(bytes.size());
   block.set_encoded_bytes(bytes.size());
   block.set_data(std::move(bytes));
   return block;
 }
 
-absl::StatusOr<std::string_view> block_bytes(const v1alpha1::Block& block, std::uint64_t expected_bytes,
+absl::StatusOr<std::string_view> block_bytes(const v1::Block& block, std::uint64_t expected_bytes,
                                              std::string_view name, std::string& buffer) {
-  const bool compressed = block.compression() == v1alpha1::COMPRESSION_ZSTD;
-  if (!compressed && block.compression() != v1alpha1::COMPRESSION_NONE &&
-      block.compression() != v1alpha1::COMPRESSION_UNSPECIFIED) {
+  const bool compressed = block.compression() == v1::COMPRESSION_ZSTD;
+  if (!compressed && block.compression() != v1::COMPRESSION_NONE &&
+      block.compression() != v1::COMPRESSION_UNSPECIFIED) {
     return malformed(fmt::format("{}: compression {} is unknown", name, static_cast<int>(block.compression())));
   }
   if (block.encoded_bytes() != 0 && block.encoded_bytes() != block.data().size()) {
@@ -61,9 +61,9 @@ absl::StatusOr<std::string_view> block_bytes(const v1alpha1::Block& block, std::
   return std::string_view(buffer);
 }
 
-absl::StatusOr<std::string_view> block_bytes_up_to(const v1alpha1::Block& block, std::uint64_t max_bytes,
+absl::StatusOr<std::string_view> block_bytes_up_to(const v1::Block& block, std::uint64_t max_bytes,
                                                    std::string_view name, std::string& buffer) {
-  const bool compressed = block.compression() == v1alpha1::COMPRESSION_ZSTD;
+  const bool compressed = block.compression() == v1::COMPRESSION_ZSTD;
   const std::uint64_t bytes = compressed ? block.decoded_bytes() : block.data().size();
   if (bytes > max_bytes) {
     return limit_exceeded(fmt::format("{} has", name), bytes, "bytes", "max_decoded_bytes", max_bytes);

@@ -8,9 +8,9 @@
 #include "segserve/wire/status.hpp"
 
 namespace segserve::wire {
-v1alpha1::View to_message(const View& view) {
-  v1alpha1::View message;
-  message.set_kind(view.kind == ViewKind::kCamera ? v1alpha1::VIEW_KIND_CAMERA : v1alpha1::VIEW_KIND_WORLD);
+v1::View to_message(const View& view) {
+  v1::View message;
+  message.set_kind(view.kind == ViewKind::kCamera ? v1::VIEW_KIND_CAMERA : v1::VIEW_KIND_WORLD);
   if (view.sensor) {
     message.mutable_sensor()->set_x((*view.sensor)[0]);
     message.mutable_sensor()->set_y((*view.sensor)[1]);
@@ -19,18 +19,18 @@ v1alpha1::View to_message(const View& view) {
   return message;
 }
 
-std::optional<View> from_message(const v1alpha1::View& message, std::vector<FieldViolation>& faults) {
-  const v1alpha1::Position& sensor = message.sensor();
+std::optional<View> from_message(const v1::View& message, std::vector<FieldViolation>& faults) {
+  const v1::Position& sensor = message.sensor();
   switch (message.kind()) {
-    case v1alpha1::VIEW_KIND_UNSPECIFIED:
+    case v1::VIEW_KIND_UNSPECIFIED:
       if (message.has_sensor()) faults.push_back({"cloud.view.kind", "missing, though cloud.view.sensor is given"});
       return std::nullopt;
-    case v1alpha1::VIEW_KIND_CAMERA:
+    case v1::VIEW_KIND_CAMERA:
       if (message.has_sensor()) {
         faults.push_back({"cloud.view.sensor", "given, but a CAMERA view has its sensor at the origin"});
       }
       return View::camera();
-    case v1alpha1::VIEW_KIND_WORLD:
+    case v1::VIEW_KIND_WORLD:
       if (!message.has_sensor()) return View::world();
       if (!std::isfinite(sensor.x()) || !std::isfinite(sensor.y()) || !std::isfinite(sensor.z())) {
         faults.push_back(
@@ -52,26 +52,26 @@ struct Needs {
   bool view;
 };
 
-std::optional<Needs> needs_of(v1alpha1::Cloud::PayloadCase payload) {
+std::optional<Needs> needs_of(v1::Cloud::PayloadCase payload) {
   switch (payload) {
-    case v1alpha1::Cloud::kPlanar:
+    case v1::Cloud::kPlanar:
       return Needs{"a planar cloud", true, true};
-    case v1alpha1::Cloud::kStrided:
+    case v1::Cloud::kStrided:
       return Needs{"a strided cloud", true, true};
-    case v1alpha1::Cloud::kQuantised:
+    case v1::Cloud::kQuantised:
       return Needs{"a quantised cloud", false, true};
-    case v1alpha1::Cloud::kDraco:
+    case v1::Cloud::kDraco:
       return Needs{"a Draco cloud", true, true};
-    case v1alpha1::Cloud::kPcdFile:
-    case v1alpha1::Cloud::kRgbd:
+    case v1::Cloud::kPcdFile:
+    case v1::Cloud::kRgbd:
       return Needs{"", false, false};
-    case v1alpha1::Cloud::PAYLOAD_NOT_SET:
+    case v1::Cloud::PAYLOAD_NOT_SET:
       break;
   }
   return std::nullopt;
 }
 
-void check_error_bound(const v1alpha1::Cloud& message, std::vector<FieldViolation>& faults) {
+void check_error_bound(const v1::Cloud& message, std::vector<FieldViolation>& faults) {
   const double bound = message.error_bound();
   if (!std::isfinite(bound) || bound < 0) {
     faults.push_back({"cloud.error_bound", fmt::format("{} is not a finite number of metres", bound)});
@@ -82,7 +82,7 @@ void check_error_bound(const v1alpha1::Cloud& message, std::vector<FieldViolatio
 
 }  // namespace
 
-std::vector<FieldViolation> violations(const v1alpha1::Cloud& message) {
+std::vector<FieldViolation> violations(const v1::Cloud& message) {
   std::vector<FieldViolation> faults;
   const std::optional<View> view = from_message(message.view(), faults);
   const std::optional<Needs> needs = needs_of(message.payload_case());
@@ -106,26 +106,26 @@ std::vector<FieldViolation> violations(const v1alpha1::Cloud& message) {
   return faults;
 }
 
-absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits,
+absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
                                           const StopToken& stop) {
   if (const absl::Status status = invalid_fields(violations(message)); !status.ok()) return status;
   if (const absl::Status status = check_kind(message, limits); !status.ok()) return status;
   std::vector<FieldViolation> faults;  // none: see above
   const std::optional<View> view = from_message(message.view(), faults);
   switch (message.payload_case()) {
-    case v1alpha1::Cloud::kPlanar:
+    case v1::Cloud::kPlanar:
       return decode_planar(message, view, limits, stop);
-    case v1alpha1::Cloud::kPcdFile:
+    case v1::Cloud::kPcdFile:
       return decode_pcd_file(message, view, limits, stop);
-    case v1alpha1::Cloud::kStrided:
+    case v1::Cloud::kStrided:
       return decode_strided(message, view, limits, stop);
-    case v1alpha1::Cloud::kQuantised:
+    case v1::Cloud::kQuantised:
       return decode_quantised(message, view, limits, stop);
-    case v1alpha1::Cloud::kRgbd:
+    case v1::Cloud::kRgbd:
       return decode_rgbd(message, view, limits, stop);
-    case v1alpha1::Cloud::kDraco:
+    case v1::Cloud::kDraco:
       return decode_draco(message, view, limits, stop);
-    case v1alpha1::Cloud::PAYLOAD_NOT_SET:
+    case v1::Cloud::PAYLOAD_NOT_SET:
       break;  // violations has refused it
   }
   return absl::InternalError("a payload of no kind");

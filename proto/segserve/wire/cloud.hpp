@@ -9,27 +9,27 @@
 #include "segserve/codec/limits.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/options/options.hpp"
-#include "segserve/v1alpha1/cloud.pb.h"
+#include "segserve/v1/cloud.pb.h"
 
 namespace segserve::wire {
 
-v1alpha1::View to_message(const View& view);
+v1::View to_message(const View& view);
 
 /// The view of a message; nullopt if its kind is UNSPECIFIED. Appends what is wrong with it to `faults`, by
 /// path below "cloud.view".
-std::optional<View> from_message(const v1alpha1::View& message, std::vector<FieldViolation>& faults);
+std::optional<View> from_message(const v1::View& message, std::vector<FieldViolation>& faults);
 
 /// The cloud as planar raw, each plane compressed if so asked. By other codecs: wire/codec.hpp.
-absl::StatusOr<v1alpha1::Cloud> to_planar_message(const CloudView& cloud, v1alpha1::Compression compression);
+absl::StatusOr<v1::Cloud> to_planar_message(const CloudView& cloud, v1::Compression compression);
 
 /// A PCD file as it is; the view, if given, overrides the file's.
-v1alpha1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view);
+v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view);
 
 /// The images of an RGB-D camera as they are. Their shape is in the message if the depth's header tells it.
-v1alpha1::Cloud to_rgbd_message(codec::RgbdFiles images);
+v1::Cloud to_rgbd_message(codec::RgbdFiles images);
 
 /// Every fault of the fields around the payload: no payload, no view or no shape where one is needed.
-std::vector<FieldViolation> violations(const v1alpha1::Cloud& message);
+std::vector<FieldViolation> violations(const v1::Cloud& message);
 
 struct DecodedCloud {
   Cloud cloud;
@@ -39,7 +39,7 @@ struct DecodedCloud {
 /// The payload's cloud. Sizes it claims are checked against the limits before anything is allocated.
 /// INVALID_ARGUMENT: INVALID_FIELD (also for a kind that is not enabled: see check_kind), MALFORMED_PAYLOAD, or
 /// LIMIT_EXCEEDED. The status of `stop` once it says so.
-absl::StatusOr<DecodedCloud> decode_cloud(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits,
+absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
                                           const StopToken& stop = {});
 
 }  // namespace segserve::wire

@@ -9,8 +9,8 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/codec/limits.hpp"
-#include "segserve/v1alpha1/cloud.pb.h"
-#include "segserve/v1alpha1/server_info.pb.h"
+#include "segserve/v1/cloud.pb.h"
+#include "segserve/v1/server_info.pb.h"
 
 // The ways in which a cloud can be sent, by name. Receivers tell them from the message: see wire::decode_cloud.
 namespace segserve::wire {
@@ -29,7 +29,7 @@ enum class Codec : std::uint8_t {
 struct CodecInfo {
   Codec codec;
   std::string_view name;  ///< as the command line writes it, e.g. "planar-zstd"
-  v1alpha1::PayloadKind kind;
+  v1::PayloadKind kind;
   bool is_lossless;
   std::string_view description;
 };
@@ -52,16 +52,16 @@ struct CodecOptions {
 /// The cloud in its own view, ready to be sent. Labels come back in the order of its points, whatever the codec.
 /// INVALID_ARGUMENT for what a codec cannot encode: quantised and Draco coordinates that are too large for the bound;
 /// RGB-D anything but an organised CAMERA cloud of a pinhole camera. A lossy message declares its error bound.
-absl::StatusOr<v1alpha1::Cloud> to_message(const CloudView& cloud, const CodecOptions& options);
+absl::StatusOr<v1::Cloud> to_message(const CloudView& cloud, const CodecOptions& options);
 
 /// A kind of payload as the API's field is called: "pcd_file".
-std::string_view name(v1alpha1::PayloadKind kind);
+std::string_view name(v1::PayloadKind kind);
 
 /// What decode_cloud accepts under these limits.
-std::vector<v1alpha1::PayloadKind> accepted_kinds(const codec::DecodeLimits& limits);
+std::vector<v1::PayloadKind> accepted_kinds(const codec::DecodeLimits& limits);
 
 /// OK if the payload is of an accepted kind (or there is none); else INVALID_FIELD that lists those that are. A look at
 /// the message without its bytes.
-absl::Status check_kind(const v1alpha1::Cloud& message, const codec::DecodeLimits& limits);
+absl::Status check_kind(const v1::Cloud& message, const codec::DecodeLimits& limits);
 
 }  // namespace segserve::wire

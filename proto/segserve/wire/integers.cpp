@@ -11,19 +11,18 @@
 
 namespace segserve::wire {
 
-absl::StatusOr<v1alpha1::IntegerArray> to_message(std::span<const std::uint32_t> values,
-                                                  v1alpha1::Compression compression) {
+absl::StatusOr<v1::IntegerArray> to_message(std::span<const std::uint32_t> values, v1::Compression compression) {
   codec::EncodedIntegers encoded = codec::encode_integers(values);
-  v1alpha1::IntegerArray message;
+  v1::IntegerArray message;
   message.set_count(values.size());
   message.set_bytes_per_value(encoded.bytes_per_value);
-  absl::StatusOr<v1alpha1::Block> block = to_block(std::move(encoded.bytes), compression);
+  absl::StatusOr<v1::Block> block = to_block(std::move(encoded.bytes), compression);
   if (!block.ok()) return block.status();
   *message.mutable_data() = *std::move(block);
   return message;
 }
 
-absl::StatusOr<std::vector<std::uint32_t>> from_message(const v1alpha1::IntegerArray& message, std::uint64_t count,
+absl::StatusOr<std::vector<std::uint32_t>> from_message(const v1::IntegerArray& message, std::uint64_t count,
                                                         std::uint32_t maximum, std::string_view name) {
   if (message.count() != count) {
     return malformed(fmt::format("{}: {} values, but must have {}", name, message.count(), count));

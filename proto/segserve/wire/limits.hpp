@@ -4,7 +4,7 @@
 
 namespace segserve::wire {
 
-/// A serialised SegmentRequest may have this many bytes; more must be streamed (to come).
+/// A serialised SegmentRequest may have this many bytes; more must be streamed.
 inline constexpr std::uint64_t kMaxRequestBytes = std::uint64_t{8} << 20U;
 
 /// What server and client set as gRPC's receive limit. For the server it is a little above

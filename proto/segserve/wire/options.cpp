@@ -11,14 +11,14 @@ namespace segserve::wire {
 namespace {
 
 constexpr std::array kMethods = {
-    std::pair{Method::kBorder, v1alpha1::METHOD_BORDER},
-    std::pair{Method::kColor, v1alpha1::METHOD_COLOR},
-    std::pair{Method::kGeometry, v1alpha1::METHOD_GEOMETRY},
-    std::pair{Method::kLambda, v1alpha1::METHOD_LAMBDA},
-    std::pair{Method::kLambdaConvex, v1alpha1::METHOD_LAMBDA_CONVEX},
-    std::pair{Method::kEqualization, v1alpha1::METHOD_EQUALIZATION},
-    std::pair{Method::kEqualizationConvex, v1alpha1::METHOD_EQUALIZATION_CONVEX},
-    std::pair{Method::kFixedLambda, v1alpha1::METHOD_FIXED_LAMBDA},
+    std::pair{Method::kBorder, v1::METHOD_BORDER},
+    std::pair{Method::kColor, v1::METHOD_COLOR},
+    std::pair{Method::kGeometry, v1::METHOD_GEOMETRY},
+    std::pair{Method::kLambda, v1::METHOD_LAMBDA},
+    std::pair{Method::kLambdaConvex, v1::METHOD_LAMBDA_CONVEX},
+    std::pair{Method::kEqualization, v1::METHOD_EQUALIZATION},
+    std::pair{Method::kEqualizationConvex, v1::METHOD_EQUALIZATION_CONVEX},
+    std::pair{Method::kFixedLambda, v1::METHOD_FIXED_LAMBDA},
 };
 
 /// FNV-1a with 64 bits, fed with numbers as little-endian bytes.
@@ -45,15 +45,14 @@ class Hash {
 class NumberField {
  public:
   explicit NumberField(const OptionInfo& option)
-      : field_(v1alpha1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name))),
-        whole_(option.whole) {}
+      : field_(v1::SegmentOptions::descriptor()->FindFieldByName(std::string(option.name))), whole_(option.whole) {}
 
-  std::optional<double> get(const v1alpha1::SegmentOptions& message) const {
+  std::optional<double> get(const v1::SegmentOptions& message) const {
     const google::protobuf::Reflection& reflection = *message.GetReflection();
     if (!reflection.HasField(message, field_)) return std::nullopt;
     return whole_ ? reflection.GetUInt32(message, field_) : reflection.GetDouble(message, field_);
   }
-  void set(v1alpha1::SegmentOptions& message, double value) const {
+  void set(v1::SegmentOptions& message, double value) const {
     const google::protobuf::Reflection& reflection = *message.GetReflection();
     if (whole_) {
       reflection.SetUInt32(&message, field_, static_cast<std::uint32_t>(value));
@@ -72,22 +71,22 @@ FieldViolation in_request(FieldViolation fault) { return {"options." + fault.fie
 
 }  // namespace
 
-v1alpha1::Method to_message(Method method) {
+v1::Method to_message(Method method) {
   for (const auto& [ours, theirs] : kMethods) {
     if (ours == method) return theirs;
   }
-  return v1alpha1::METHOD_UNSPECIFIED;
+  return v1::METHOD_UNSPECIFIED;
 }
 
-std::optional<Method> from_message(v1alpha1::Method method) {
+std::optional<Method> from_message(v1::Method method) {
   for (const auto& [ours, theirs] : kMethods) {
     if (theirs == method) return ours;
   }
   return std::nullopt;
 }
 
-v1alpha1::SegmentOptions to_message(const Options& options) {
-  v1alpha1::SegmentOptions message;
+v1::SegmentOptions to_message(const Options& options) {
+  v1::SegmentOptions message;
   message.set_method(to_message(options.method));
   for (const OptionInfo& option : option_table()) {
     if (const std::optional<double> value = option.get(options)) NumberField(option).set(message, *value);
@@ -95,17 +94,16 @@ v1alpha1::SegmentOptions to_message(const Options& options) {
   return message;
 }
 
-Options from_message(const v1alpha1::SegmentOptions& message, const Options& defaults,
-                     std::vector<FieldViolation>& faults) {
+Options from_message(const v1::SegmentOptions& message, const Options& defaults, std::vector<FieldViolation>& faults) {
   Options options = defaults;
-  if (message.method() != v1alpha1::METHOD_UNSPECIFIED) {
+  if (message.method() != v1::METHOD_UNSPECIFIED) {
     if (const std::optional<Method> method = from_message(message.method())) {
       options.method = *method;
     } else {
       faults.push_back({"options.method", fmt::format("{} is no method", static_cast<int>(message.method()))});
     }
   }
-  if (message.cut_case() != v1alpha1::SegmentOptions::CUT_NOT_SET) options.threshold = {}, options.regions = {};
+  if (message.cut_case() != v1::SegmentOptions::CUT_NOT_SET) options.threshold = {}, options.regions = {};
   for (const OptionInfo& option : option_table()) {
     if (const std::optional<double> value = NumberField(option).get(message)) option.set(options, *value);
   }

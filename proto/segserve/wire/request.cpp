@@ -21,18 +21,18 @@ void check_id(const std::string& id, const char* field, std::vector<FieldViolati
   }
 }
 
-Outputs parse_outputs(const v1alpha1::Outputs& message) {
+Outputs parse_outputs(const v1::Outputs& message) {
   Outputs outputs{.labels = message.labels(),
                   .supervoxels = message.supervoxels(),
                   .tree = message.tree(),
                   .segments = message.segments()};
   for (const int accepted : message.accepted_compressions()) {
-    if (accepted == v1alpha1::COMPRESSION_ZSTD) outputs.compression = v1alpha1::COMPRESSION_ZSTD;
+    if (accepted == v1::COMPRESSION_ZSTD) outputs.compression = v1::COMPRESSION_ZSTD;
   }
   return outputs;
 }
 
-void check_cloud(bool has_cloud, const v1alpha1::Cloud& cloud, std::vector<FieldViolation>& faults) {
+void check_cloud(bool has_cloud, const v1::Cloud& cloud, std::vector<FieldViolation>& faults) {
   if (!has_cloud) {
     faults.push_back({"cloud", "missing"});
     return;
@@ -41,8 +41,8 @@ void check_cloud(bool has_cloud, const v1alpha1::Cloud& cloud, std::vector<Field
 }
 
 /// That the bytes are not in the header, but announced.
-void check_announcement(const v1alpha1::FrameHeader& header, std::vector<FieldViolation>& faults) {
-  v1alpha1::Cloud cloud = header.cloud();
+void check_announcement(const v1::FrameHeader& header, std::vector<FieldViolation>& faults) {
+  v1::Cloud cloud = header.cloud();
   for (const std::string* data : payload_blocks(cloud)) {
     if (!data->empty()) faults.push_back({"cloud", "holds bytes of the payload, which must come in chunks"});
   }
@@ -65,8 +65,8 @@ void check_duration(bool has_it, const google::protobuf::Duration& duration, con
 
 }  // namespace
 
-v1alpha1::Outputs to_message(const Outputs& outputs) {
-  v1alpha1::Outputs message;
+v1::Outputs to_message(const Outputs& outputs) {
+  v1::Outputs message;
   message.set_labels(outputs.labels);
   message.set_supervoxels(outputs.supervoxels);
   message.set_tree(outputs.tree);
@@ -75,7 +75,7 @@ v1alpha1::Outputs to_message(const Outputs& outputs) {
   return message;
 }
 
-absl::StatusOr<ParsedRequest> parse_request(const v1alpha1::SegmentRequest& request, const Options& defaults) {
+absl::StatusOr<ParsedRequest> parse_request(const v1::SegmentRequest& request, const Options& defaults) {
   std::vector<FieldViolation> faults;
   check_id(request.request_id(), "request_id", faults);
   check_id(request.frame_id(), "frame_id", faults);
@@ -86,12 +86,11 @@ absl::StatusOr<ParsedRequest> parse_request(const v1alpha1::SegmentRequest& requ
   return parsed;
 }
 
-absl::StatusOr<ParsedRequest> parse_open(const v1alpha1::StreamOpen& open, const Options& defaults) {
+absl::StatusOr<ParsedRequest> parse_open(const v1::StreamOpen& open, const Options& defaults) {
   std::vector<FieldViolation> faults;
   check_id(open.client_name(), "client_name", faults);
-  if (!v1alpha1::ResultOrder_IsValid(open.order()))
-    faults.push_back({"order", fmt::format("{} is unknown", open.order())});
-  if (!v1alpha1::WhenBehind_IsValid(open.when_behind())) {
+  if (!v1::ResultOrder_IsValid(open.order())) faults.push_back({"order", fmt::format("{} is unknown", open.order())});
+  if (!v1::WhenBehind_IsValid(open.when_behind())) {
     faults.push_back({"when_behind", fmt::format("{} is unknown", open.when_behind())});
   }
   ParsedRequest parsed{from_message(open.options(), defaults, faults),
@@ -100,7 +99,7 @@ absl::StatusOr<ParsedRequest> parse_open(const v1alpha1::StreamOpen& open, const
   return parsed;
 }
 
-absl::StatusOr<ParsedRequest> parse_frame(const v1alpha1::FrameHeader& header, const ParsedRequest& stream,
+absl::StatusOr<ParsedRequest> parse_frame(const v1::FrameHeader& header, const ParsedRequest& stream,
                                           const Options& defaults) {
   std::vector<FieldViolation> faults;
   check_id(header.request_id(), "request_id", faults);

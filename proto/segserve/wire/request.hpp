@@ -2,8 +2,8 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/options/options.hpp"
-#include "segserve/v1alpha1/segmentation_service.pb.h"
-#include "segserve/v1alpha1/stream.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
+#include "segserve/v1/stream.pb.h"
 
 namespace segserve::wire {
 
@@ -14,11 +14,11 @@ struct Outputs {
   bool tree = false;
   bool segments = false;  ///< what there is to say of each: Segmentation::statistics
   /// Of the label arrays.
-  v1alpha1::Compression compression = v1alpha1::COMPRESSION_NONE;
+  v1::Compression compression = v1::COMPRESSION_NONE;
   bool operator==(const Outputs&) const = default;
 };
 
-v1alpha1::Outputs to_message(const Outputs& outputs);
+v1::Outputs to_message(const Outputs& outputs);
 
 /// What a request asks for, apart from its payload's bytes.
 struct ParsedRequest {
@@ -28,14 +28,14 @@ struct ParsedRequest {
 
 /// INVALID_ARGUMENT, INVALID_FIELD that names every wrong field of the request at once. The payload is
 /// not decoded: see decode_cloud.
-absl::StatusOr<ParsedRequest> parse_request(const v1alpha1::SegmentRequest& request, const Options& defaults);
+absl::StatusOr<ParsedRequest> parse_request(const v1::SegmentRequest& request, const Options& defaults);
 
 /// The same for the opening of a stream: what a frame gets that says nothing.
-absl::StatusOr<ParsedRequest> parse_open(const v1alpha1::StreamOpen& open, const Options& defaults);
+absl::StatusOr<ParsedRequest> parse_open(const v1::StreamOpen& open, const Options& defaults);
 
 /// The same for the header of a frame. What it does not say it has from the stream; options of its own go on top of
 /// the server's `defaults`.
-absl::StatusOr<ParsedRequest> parse_frame(const v1alpha1::FrameHeader& header, const ParsedRequest& stream,
+absl::StatusOr<ParsedRequest> parse_frame(const v1::FrameHeader& header, const ParsedRequest& stream,
                                           const Options& defaults);
 
 }  // namespace segserve::wire

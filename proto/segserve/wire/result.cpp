@@ -14,8 +14,8 @@
 namespace segserve::wire {
 namespace {
 
-v1alpha1::SupportPlane plane_message(const SupportPlane& plane) {
-  v1alpha1::SupportPlane message;
+v1::SupportPlane plane_message(const SupportPlane& plane) {
+  v1::SupportPlane message;
   message.set_points(plane.points);
   message.set_normal_x(plane.normal.x);
   message.set_normal_y(plane.normal.y);
@@ -24,13 +24,13 @@ v1alpha1::SupportPlane plane_message(const SupportPlane& plane) {
   return message;
 }
 
-SupportPlane read_plane(const v1alpha1::SupportPlane& message) {
+SupportPlane read_plane(const v1::SupportPlane& message) {
   return {.normal = {message.normal_x(), message.normal_y(), message.normal_z()},
           .offset = message.offset(),
           .points = message.points()};
 }
 
-void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
+void fill_summary(const Result& result, v1::ResultSummary& summary) {
   const Segmentation& segmentation = result.segmentation;
   summary.set_points(result.points);
   summary.set_finite_points(segmentation.finite_points);
@@ -48,7 +48,7 @@ void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   summary.set_server_version(result.server_version);
   summary.set_options_hash(result.options_hash);
 
-  v1alpha1::Timings& timings = *summary.mutable_timings();
+  v1::Timings& timings = *summary.mutable_timings();
   timings.set_queue_ms(result.timings.queue);
   timings.set_decode_ms(result.timings.decode);
   timings.set_voxels_ms(segmentation.timings.voxels);
@@ -60,7 +60,7 @@ void fill_summary(const Result& result, v1alpha1::ResultSummary& summary) {
   timings.set_segments_ms(segmentation.timings.segments);
 }
 
-void read_timings(const v1alpha1::Timings& from, CallTimings& call, StageTimings& stages) {
+void read_timings(const v1::Timings& from, CallTimings& call, StageTimings& stages) {
   call = {from.queue_ms(), from.decode_ms(), from.encode_ms(), from.total_ms()};
   stages.voxels = from.voxels_ms();
   stages.normals = from.normals_ms();
@@ -73,7 +73,7 @@ void read_timings(const v1alpha1::Timings& from, CallTimings& call, StageTimings
                  stages.segments;
 }
 
-absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std::size_t points) {
+absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_t points) {
   if (summary.points() != points) {
     return malformed(fmt::format("the result is of {} points, but the cloud has {}", summary.points(), points));
   }
@@ -112,7 +112,7 @@ absl::StatusOr<Result> read_summary(const v1alpha1::ResultSummary& summary, std:
   return result;
 }
 
-absl::Status read_labels(const v1alpha1::IntegerArray& message, std::size_t points, std::uint32_t maximum,
+absl::Status read_labels(const v1::IntegerArray& message, std::size_t points, std::uint32_t maximum,
                          std::string_view name, std::vector<std::uint32_t>& labels) {
   absl::StatusOr<std::vector<std::uint32_t>> read = from_message(message, points, maximum, name);
   if (!read.ok()) return read.status();
@@ -120,14 +120,14 @@ absl::Status read_labels(const v1alpha1::IntegerArray& message, std::size_t poin
   return absl::OkStatus();
 }
 
-absl::Status read_segments(const v1alpha1::SegmentationResult& message, Segmentation& segmentation) {
+absl::Status read_segments(const v1::SegmentationResult& message, Segmentation& segmentation) {
   auto read = from_message(message.segments(), segmentation.segments, segmentation.segmented_points);
   if (!read.ok()) return read.status();
   segmentation.statistics = *std::move(read);
   return absl::OkStatus();
 }
 
-absl::Status read_tree(const v1alpha1::MergeTree& message, const Result& result, MergeTree& tree) {
+absl::Status read_tree(const v1::MergeTree& message, const Result& result, MergeTree& tree) {
   absl::StatusOr<MergeTree> read = from_message(message, result.supervoxels, result.segmentation.segmented_points);
   if (!read.ok()) return read.status();
   tree = *std::move(read);
@@ -151,8 +151,8 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
   return result;
 }
 
-absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
-  v1alpha1::SegmentationResult message;
+absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
+  v1::SegmentationResult message;
   fill_summary(result, *message.mutable_summary());
   const auto put = [&outputs](const auto& array, auto* field) {
     auto made = to_message(array, outputs.compression);
@@ -169,12 +169,12 @@ absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, co
   return message;
 }
 
-void set_final_timings(v1alpha1::SegmentationResult& message, double encode_ms, double total_ms) {
+void set_final_timings(v1::SegmentationResult& message, double encode_ms, double total_ms) {
   message.mutable_summary()->mutable_timings()->set_encode_ms(encode_ms);
   message.mutable_summary()->mutable_timings()->set_total_ms(total_ms);
 }
 
-absl::StatusOr<Result> from_message(const v1alpha1::SegmentationResult& message, std::size_t points) {
+absl::StatusOr<Result> from_message(const v1::SegmentationResult& message, std::size_t points) {
   absl::StatusOr<Result> result = read_summary(message.summary(), points);
   if (!result.ok()) return result;
   Segmentation& segmentation = result->segmentation;

@@ -7,12 +7,12 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/pipeline/segment.hpp"
-#include "segserve/v1alpha1/result.pb.h"
+#include "segserve/v1/result.pb.h"
 #include "segserve/wire/request.hpp"
 
 namespace segserve::wire {
 
-/// Wall times outside the segmentation, milliseconds (v1alpha1.Timings says from when to when).
+/// Wall times outside the segmentation, milliseconds (v1.Timings says from when to when).
 struct CallTimings {
   double queue = 0;
   double decode = 0;
@@ -41,13 +41,13 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
 
 /// The message with the arrays that `outputs` asks for. Sets every timing but `encode` and `total`, which are
 /// not known before: see set_final_timings.
-absl::StatusOr<v1alpha1::SegmentationResult> to_message(const Result& result, const Outputs& outputs);
+absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs);
 
 /// Fills in the two timings that end with the message itself.
-void set_final_timings(v1alpha1::SegmentationResult& message, double encode_ms, double total_ms);
+void set_final_timings(v1::SegmentationResult& message, double encode_ms, double total_ms);
 
 /// A result from a server for a cloud of `points` points. MALFORMED_PAYLOAD unless all its arrays fit the
 /// cloud, the summary and each other.
-absl::StatusOr<Result> from_message(const v1alpha1::SegmentationResult& message, std::size_t points);
+absl::StatusOr<Result> from_message(const v1::SegmentationResult& message, std::size_t points);
 
 }  // namespace segserve::wire

@@ -15,15 +15,15 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-6;
 
-v1alpha1::Vector3 to_message(const Vec3& v) {
-  v1alpha1::Vector3 message;
+v1::Vector3 to_message(const Vec3& v) {
+  v1::Vector3 message;
   message.set_x(v.x);
   message.set_y(v.y);
   message.set_z(v.z);
   return message;
 }
 
-Vec3 to_vec3(const v1alpha1::Vector3& message) { return {message.x(), message.y(), message.z()}; }
+Vec3 to_vec3(const v1::Vector3& message) { return {message.x(), message.y(), message.z()}; }
 
 bool is_between(const Vec3& v, double low, double high) {
   return std::ranges::all_of(std::array{v.x, v.y, v.z},
@@ -40,11 +40,11 @@ bool is_frame(const std::array<Vec3, 3>& axes) {
          is_near(dot(axes[0], axes[1]), 0) && is_near(dot(cross(axes[0], axes[1]), axes[2]), 1);
 }
 
-v1alpha1::Segment to_message(const SegmentStatistics& segment) {
-  v1alpha1::Segment message;
+v1::Segment to_message(const SegmentStatistics& segment) {
+  v1::Segment message;
   message.set_points(segment.points);
   *message.mutable_centroid() = to_message(segment.centroid);
-  v1alpha1::OrientedBox& box = *message.mutable_box();
+  v1::OrientedBox& box = *message.mutable_box();
   *box.mutable_center() = to_message(segment.box.center);
   for (const Vec3& axis : segment.box.axes) *box.add_axes() = to_message(axis);
   *box.mutable_half_extents() = to_message(segment.box.half_extents);
@@ -57,7 +57,7 @@ v1alpha1::Segment to_message(const SegmentStatistics& segment) {
   return message;
 }
 
-SegmentStatistics read(const v1alpha1::Segment& message) {
+SegmentStatistics read(const v1::Segment& message) {
   SegmentStatistics segment;
   segment.points = message.points();
   segment.centroid = to_vec3(message.centroid());
@@ -99,7 +99,7 @@ absl::StatusOr<std::vector<SegmentStatistics>> from_message(const SegmentMessage
   std::vector<SegmentStatistics> statistics;
   statistics.reserve(count);
   std::uint64_t points = 0;
-  for (const v1alpha1::Segment& message : messages) {
+  for (const v1::Segment& message : messages) {
     const std::size_t label = statistics.size() + 1;
     if (message.box().axes_size() != 3) {
       return malformed(fmt::format("segment {}: box.axes: {}, not 3", label, message.box().axes_size()));

@@ -7,11 +7,11 @@
 #include "absl/status/statusor.h"
 #include "google/protobuf/repeated_ptr_field.h"
 #include "segserve/segments/segment_statistics.hpp"
-#include "segserve/v1alpha1/segment.pb.h"
+#include "segserve/v1/segment.pb.h"
 
 namespace segserve::wire {
 
-using SegmentMessages = google::protobuf::RepeatedPtrField<v1alpha1::Segment>;
+using SegmentMessages = google::protobuf::RepeatedPtrField<v1::Segment>;
 
 SegmentMessages to_message(std::span<const SegmentStatistics> statistics);
 

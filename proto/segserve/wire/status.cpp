@@ -46,29 +46,29 @@ void copy_detail(const google::rpc::Status& from, absl::Status& to) {
 ErrorReason implied_reason(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
-      return v1alpha1::ERROR_REASON_UNSPECIFIED;
+      return v1::ERROR_REASON_UNSPECIFIED;
     case absl::StatusCode::kResourceExhausted:
-      return v1alpha1::ERROR_REASON_QUEUE_FULL;
+      return v1::ERROR_REASON_QUEUE_FULL;
     case absl::StatusCode::kUnavailable:
-      return v1alpha1::ERROR_REASON_DRAINING;
+      return v1::ERROR_REASON_DRAINING;
     case absl::StatusCode::kDeadlineExceeded:
-      return v1alpha1::ERROR_REASON_DEADLINE_EXCEEDED;
+      return v1::ERROR_REASON_DEADLINE_EXCEEDED;
     case absl::StatusCode::kCancelled:
-      return v1alpha1::ERROR_REASON_CANCELLED;
+      return v1::ERROR_REASON_CANCELLED;
     case absl::StatusCode::kAborted:
-      return v1alpha1::ERROR_REASON_CHECKSUM;
+      return v1::ERROR_REASON_CHECKSUM;
     default:
-      return v1alpha1::ERROR_REASON_INTERNAL;
+      return v1::ERROR_REASON_INTERNAL;
   }
 }
 
 bool is_in_api(absl::StatusCode code) {
-  return code == absl::StatusCode::kInvalidArgument || implied_reason(code) != v1alpha1::ERROR_REASON_INTERNAL;
+  return code == absl::StatusCode::kInvalidArgument || implied_reason(code) != v1::ERROR_REASON_INTERNAL;
 }
 
 ErrorReason reason_from_name(std::string_view name) {
-  ErrorReason reason = v1alpha1::ERROR_REASON_UNSPECIFIED;
-  v1alpha1::ErrorReason_Parse(fmt::format("{}{}", kReasonPrefix, name), &reason);
+  ErrorReason reason = v1::ERROR_REASON_UNSPECIFIED;
+  v1::ErrorReason_Parse(fmt::format("{}{}", kReasonPrefix, name), &reason);
   return reason;
 }
 
@@ -81,7 +81,7 @@ bool is_message_too_large(const grpc::Status& status) {
 }  // namespace
 
 std::string reason_name(ErrorReason reason) {
-  const std::string& name = v1alpha1::ErrorReason_Name(reason);
+  const std::string& name = v1::ErrorReason_Name(reason);
   return name.starts_with(kReasonPrefix) ? name.substr(kReasonPrefix.size())
                                          : fmt::format("{}", static_cast<int>(reason));
 }
@@ -143,7 +143,7 @@ ErrorDetails details_of(const absl::Status& status) {
 }
 
 absl::Status malformed(std::string_view message) {
-  return with_reason(absl::InvalidArgumentError(std::string(message)), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+  return with_reason(absl::InvalidArgumentError(std::string(message)), v1::ERROR_REASON_MALFORMED_PAYLOAD);
 }
 
 absl::Status invalid_fields(const std::vector<FieldViolation>& fields) {
@@ -154,14 +154,14 @@ absl::Status invalid_fields(const std::vector<FieldViolation>& fields) {
                    fault.description);
   }
   return with_details(absl::InvalidArgumentError(message),
-                      {.reason = v1alpha1::ERROR_REASON_INVALID_FIELD, .fields = fields});
+                      {.reason = v1::ERROR_REASON_INVALID_FIELD, .fields = fields});
 }
 
 absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std::string_view unit,
                             std::string_view limit, std::uint64_t allowed) {
   return with_details(
       absl::InvalidArgumentError(fmt::format("{} {} {}, more than {} = {}", subject, actual, unit, limit, allowed)),
-      {.reason = v1alpha1::ERROR_REASON_LIMIT_EXCEEDED,
+      {.reason = v1::ERROR_REASON_LIMIT_EXCEEDED,
        .metadata = {{"limit", std::string(limit)},
                     {"allowed", fmt::format("{}", allowed)},
                     {"actual", fmt::format("{}", actual)}}});
@@ -203,7 +203,7 @@ absl::Status from_grpc(const grpc::Status& status) {
   if (is_message_too_large(status)) {
     return with_details(
         absl::InvalidArgumentError("the message exceeds the receiver's limit: " + status.error_message()),
-        {.reason = v1alpha1::ERROR_REASON_LIMIT_EXCEEDED, .metadata = {{"limit", "max_message_bytes"}}});
+        {.reason = v1::ERROR_REASON_LIMIT_EXCEEDED, .metadata = {{"limit", "max_message_bytes"}}});
   }
   google::rpc::Status message;
   if (!message.ParseFromString(status.error_details())) message.Clear();

@@ -12,19 +12,19 @@
 #include "google/rpc/status.pb.h"
 #include "grpcpp/support/status.h"
 #include "segserve/options/options.hpp"
-#include "segserve/v1alpha1/error_reason.pb.h"
+#include "segserve/v1/error_reason.pb.h"
 
 // The one place where results of core become gRPC's and back. An absl::Status carries its details as
 // payloads (google.rpc messages under their Any type URLs), so that nothing is lost on the way.
 namespace segserve::wire {
 
-using v1alpha1::ErrorReason;
+using v1::ErrorReason;
 
 /// What a status says beyond code and message.
 struct ErrorDetails {
-  ErrorReason reason = v1alpha1::ERROR_REASON_UNSPECIFIED;  ///< UNSPECIFIED also for reasons newer than this program
-  std::map<std::string, std::string> metadata = {};         ///< e.g. limit, allowed, actual
-  std::vector<FieldViolation> fields = {};                  ///< every wrong field by its path in the request
+  ErrorReason reason = v1::ERROR_REASON_UNSPECIFIED;  ///< UNSPECIFIED also for reasons newer than this program
+  std::map<std::string, std::string> metadata = {};   ///< e.g. limit, allowed, actual
+  std::vector<FieldViolation> fields = {};            ///< every wrong field by its path in the request
   std::optional<std::chrono::milliseconds> retry_delay = std::nullopt;  ///< try again, not before this time has passed
 };
 
@@ -47,7 +47,7 @@ absl::Status malformed(std::string_view message);
 absl::Status invalid_fields(const std::vector<FieldViolation>& fields);
 
 /// INVALID_ARGUMENT, LIMIT_EXCEEDED: "the cloud has 7 points, more than max_points = 5". `subject` is
-/// "the cloud has", `unit` "points", `limit` the field of v1alpha1.Limits.
+/// "the cloud has", `unit` "points", `limit` the field of v1.Limits.
 absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std::string_view unit,
                             std::string_view limit, std::uint64_t allowed);
 

@@ -17,23 +17,22 @@
 namespace segserve::wire {
 namespace {
 
-absl::Status put(const std::vector<std::uint32_t>& values, v1alpha1::Compression compression,
-                 v1alpha1::IntegerArray* array) {
-  absl::StatusOr<v1alpha1::IntegerArray> made = to_message(values, compression);
+absl::Status put(const std::vector<std::uint32_t>& values, v1::Compression compression, v1::IntegerArray* array) {
+  absl::StatusOr<v1::IntegerArray> made = to_message(values, compression);
   if (!made.ok()) return made.status();
   *array = *std::move(made);
   return absl::OkStatus();
 }
 
-absl::Status put(const std::vector<double>& values, v1alpha1::Compression compression, v1alpha1::Block* block) {
+absl::Status put(const std::vector<double>& values, v1::Compression compression, v1::Block* block) {
   std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
-  absl::StatusOr<v1alpha1::Block> made = to_block(std::move(bytes), compression);
+  absl::StatusOr<v1::Block> made = to_block(std::move(bytes), compression);
   if (!made.ok()) return made.status();
   *block = *std::move(made);
   return absl::OkStatus();
 }
 
-absl::Status read(const v1alpha1::IntegerArray& message, std::uint64_t count, std::string_view name,
+absl::Status read(const v1::IntegerArray& message, std::uint64_t count, std::string_view name,
                   std::vector<std::uint32_t>& values) {
   constexpr std::uint32_t kAny = std::numeric_limits<std::uint32_t>::max();  // `complete` judges them row by row
   absl::StatusOr<std::vector<std::uint32_t>> made = from_message(message, count, kAny, name);
@@ -42,8 +41,7 @@ absl::Status read(const v1alpha1::IntegerArray& message, std::uint64_t count, st
   return absl::OkStatus();
 }
 
-absl::Status read(const v1alpha1::Block& message, std::uint64_t count, std::string_view name,
-                  std::vector<double>& values) {
+absl::Status read(const v1::Block& message, std::uint64_t count, std::string_view name, std::vector<double>& values) {
   std::string buffer;
   const absl::StatusOr<std::string_view> bytes = block_bytes(message, count * sizeof(double), name, buffer);
   if (!bytes.ok()) return bytes.status();
@@ -55,8 +53,8 @@ absl::Status read(const v1alpha1::Block& message, std::uint64_t count, std::stri
 
 }  // namespace
 
-absl::StatusOr<v1alpha1::MergeTree> to_message(const MergeTree& tree, v1alpha1::Compression compression) {
-  v1alpha1::MergeTree message;
+absl::StatusOr<v1::MergeTree> to_message(const MergeTree& tree, v1::Compression compression) {
+  v1::MergeTree message;
   absl::Status status = put(tree.leaf_points, compression, message.mutable_leaf_points());
   if (status.ok()) status = put(tree.left, compression, message.mutable_left());
   if (status.ok()) status = put(tree.right, compression, message.mutable_right());
@@ -66,8 +64,7 @@ absl::StatusOr<v1alpha1::MergeTree> to_message(const MergeTree& tree, v1alpha1::
   return message;
 }
 
-absl::StatusOr<MergeTree> from_message(const v1alpha1::MergeTree& message, std::uint32_t supervoxels,
-                                       std::uint64_t points) {
+absl::StatusOr<MergeTree> from_message(const v1::MergeTree& message, std::uint32_t supervoxels, std::uint64_t points) {
   const std::uint64_t rows = supervoxels == 0 ? 0 : supervoxels - 1;
   TreeColumns columns;
   columns.merged_rows = message.merged_rows();

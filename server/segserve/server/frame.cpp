@@ -18,8 +18,8 @@ double milliseconds(Clock::duration duration) { return std::chrono::duration<dou
 
 }  // namespace
 
-absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
-                                                     SegmenterInterface& segmenter, const StopToken& stop) {
+absl::StatusOr<v1::SegmentationResult> process(const Frame& frame, const codec::DecodeLimits& limits,
+                                               SegmenterInterface& segmenter, const StopToken& stop) {
   const Clock::time_point started = Clock::now();
   if (const absl::Status status = stop.check(); !status.ok()) return status;
   const absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(frame.payload, limits, stop);
@@ -33,7 +33,7 @@ absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const c
   absl::StatusOr<Segmentation> segmentation = segmenter.segment(cloud, frame.request.options, stop);
   if (!segmentation.ok()) {
     const bool is_cloud_at_fault = absl::IsInvalidArgument(segmentation.status());  // the options were checked before
-    return is_cloud_at_fault ? wire::with_reason(segmentation.status(), v1alpha1::ERROR_REASON_INVALID_CLOUD)
+    return is_cloud_at_fault ? wire::with_reason(segmentation.status(), v1::ERROR_REASON_INVALID_CLOUD)
                              : segmentation.status();
   }
   if (frame.request.outputs.segments) {
@@ -47,7 +47,7 @@ absl::StatusOr<v1alpha1::SegmentationResult> process(const Frame& frame, const c
       wire::make_result(*std::move(segmentation), cloud, frame.request.options, decoded->view_rule, kVersion);
   result.timings.queue = milliseconds(started - frame.arrival);
   result.timings.decode = milliseconds(decode_end - started);
-  absl::StatusOr<v1alpha1::SegmentationResult> message = wire::to_message(result, frame.request.outputs);
+  absl::StatusOr<v1::SegmentationResult> message = wire::to_message(result, frame.request.outputs);
   if (message.ok()) {
     const Clock::time_point end = Clock::now();
     wire::set_final_timings(*message, milliseconds(end - encode_start), milliseconds(end - frame.arrival));

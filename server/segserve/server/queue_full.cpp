@@ -9,7 +9,7 @@
 namespace segserve::server {
 namespace {
 
-/// The field of v1alpha1.Limits.
+/// The field of v1.Limits.
 std::string_view limit_name(Refusal::Bound bound) {
   switch (bound) {
     case Refusal::Bound::kJobs:
@@ -29,7 +29,7 @@ absl::Status queue_full(const Refusal& refusal, std::chrono::milliseconds retry_
   return wire::with_details(
       absl::ResourceExhaustedError(fmt::format("the queue is full: {} is {}, this would make it {}; try again later",
                                                limit, refusal.allowed, refusal.actual)),
-      {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL,
+      {.reason = v1::ERROR_REASON_QUEUE_FULL,
        .metadata = {{"limit", std::string(limit)},
                     {"allowed", fmt::format("{}", refusal.allowed)},
                     {"actual", fmt::format("{}", refusal.actual)}},
@@ -40,7 +40,7 @@ absl::Status evicted_from_queue(std::chrono::milliseconds retry_delay) {
   return wire::with_details(absl::ResourceExhaustedError(
                                 "the queue is full, and this client has the most in it: made way for another client; "
                                 "try again later"),
-                            {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL, .retry_delay = retry_delay});
+                            {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = retry_delay});
 }
 
 }  // namespace segserve::server

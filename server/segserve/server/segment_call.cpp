@@ -25,7 +25,7 @@ std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerConte
 }
 
 /// Points of a cloud that is not decoded yet, for the queue: what its shape says, or what its bytes suggest.
-std::uint64_t estimated_points(const v1alpha1::Cloud& cloud, const codec::DecodeLimits& limits) {
+std::uint64_t estimated_points(const v1::Cloud& cloud, const codec::DecodeLimits& limits) {
   constexpr std::uint64_t kTypicalBytesPerPoint = 16;
   const std::uint64_t claimed = std::uint64_t{cloud.width()} * cloud.height();
   return std::min(limits.max_points, claimed != 0 ? claimed : cloud.ByteSizeLong() / kTypicalBytesPerPoint);
@@ -33,7 +33,7 @@ std::uint64_t estimated_points(const v1alpha1::Cloud& cloud, const codec::Decode
 
 /// One line for the log. What callers chose is escaped, so that it cannot forge lines.
 void log_call(const grpc::CallbackServerContext& context, const std::string& request_id,
-              const v1alpha1::ResultSummary& summary, const absl::Status& status) {
+              const v1::ResultSummary& summary, const absl::Status& status) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   const std::string id = absl::CHexEscape(request_id.substr(0, 64));
   if (status.ok()) {
@@ -66,9 +66,9 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
   if (bytes > wire::kMaxRequestBytes) {
     return wire::limit_exceeded("the request has", bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
   }
-  if (!grpc::SerializationTraits<v1alpha1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
+  if (!grpc::SerializationTraits<v1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
     return wire::with_reason(absl::InvalidArgumentError("the request is no serialised SegmentRequest"),
-                             v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+                             v1::ERROR_REASON_MALFORMED_PAYLOAD);
   }
   absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_request(request_, service_.defaults_);
   if (!parsed.ok()) return parsed.status();
@@ -94,17 +94,17 @@ void SegmentCall::run(std::size_t worker, const wire::ParsedRequest& parsed) {
   }));
 }
 
-absl::Status SegmentCall::answer(absl::StatusOr<v1alpha1::SegmentationResult> result) {
+absl::Status SegmentCall::answer(absl::StatusOr<v1::SegmentationResult> result) {
   if (!result.ok()) return result.status();
   summary_ = result->summary();
-  v1alpha1::SegmentResponse response;
+  v1::SegmentResponse response;
   response.set_request_id(request_.request_id());
   response.set_frame_id(request_.frame_id());
   if (request_.has_stamp()) *response.mutable_stamp() = request_.stamp();
   *response.mutable_result() = *std::move(result);
   bool owns_buffer = false;
   const grpc::Status status =
-      grpc::SerializationTraits<v1alpha1::SegmentResponse>::Serialize(response, &response_, &owns_buffer);
+      grpc::SerializationTraits<v1::SegmentResponse>::Serialize(response, &response_, &owns_buffer);
   return status.ok() ? absl::OkStatus() : absl::InternalError("the answer cannot be serialised");
 }
 

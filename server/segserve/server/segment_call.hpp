@@ -30,14 +30,14 @@ class SegmentCall final : public grpc::ServerUnaryReactor {
  private:
   absl::Status admit(grpc::ByteBuffer& request);
   void run(std::size_t worker, const wire::ParsedRequest& parsed);
-  absl::Status answer(absl::StatusOr<v1alpha1::SegmentationResult> result);
+  absl::Status answer(absl::StatusOr<v1::SegmentationResult> result);
   void finish(const absl::Status& status);
   StopToken stop_token() const { return StopToken(&cancelled_, deadline_); }
 
   SegmentationService& service_;
   const grpc::CallbackServerContext& context_;
-  v1alpha1::SegmentRequest request_;
-  v1alpha1::ResultSummary summary_;  // of the answer, for the log
+  v1::SegmentRequest request_;
+  v1::ResultSummary summary_;  // of the answer, for the log
   grpc::ByteBuffer& response_;
   const std::chrono::steady_clock::time_point arrival_;
   const std::optional<std::chrono::steady_clock::time_point> deadline_;

@@ -76,7 +76,7 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   }
   if (address.is_unix) port_ = 0;
   address_ = with_port(address, port_);
-  server_->GetHealthCheckService()->SetServingStatus(v1alpha1::SegmentationService::service_full_name(), true);
+  server_->GetHealthCheckService()->SetServingStatus(v1::SegmentationService::service_full_name(), true);
   return absl::OkStatus();
 }
 

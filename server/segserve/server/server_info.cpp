@@ -9,16 +9,16 @@
 #include "segserve/wire/options.hpp"
 
 namespace segserve::server {
-v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
-  v1alpha1::GetServerInfoResponse info;
+v1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
+  v1::GetServerInfoResponse info;
   info.set_version(kVersion);
-  for (const v1alpha1::PayloadKind kind : wire::accepted_kinds({.draco = options.enable_draco})) {
+  for (const v1::PayloadKind kind : wire::accepted_kinds({.draco = options.enable_draco})) {
     info.add_payload_kinds(kind);
   }
-  info.add_compressions(v1alpha1::COMPRESSION_NONE);
-  info.add_compressions(v1alpha1::COMPRESSION_ZSTD);
+  info.add_compressions(v1::COMPRESSION_NONE);
+  info.add_compressions(v1::COMPRESSION_ZSTD);
 
-  v1alpha1::Limits& limits = *info.mutable_limits();
+  v1::Limits& limits = *info.mutable_limits();
   limits.set_max_message_bytes(wire::kMaxRequestBytes);
   limits.set_max_points(options.max_points);
   limits.set_max_decoded_bytes(options.max_decoded_bytes);
@@ -31,7 +31,7 @@ v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::s
   const Options defaults = resolved(options.defaults);
   *info.mutable_default_options() = wire::to_message(defaults);
   for (const Method method : all_methods()) {
-    v1alpha1::MethodInfo& entry = *info.add_methods();
+    v1::MethodInfo& entry = *info.add_methods();
     entry.set_method(wire::to_message(method));
     entry.set_name(std::string(name(method)));
     Options with_method = options.defaults;
@@ -39,7 +39,7 @@ v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::s
     *entry.mutable_defaults() = wire::to_message(resolved(with_method));
   }
   for (const OptionInfo& option : option_table()) {
-    v1alpha1::OptionInfo& entry = *info.add_options();
+    v1::OptionInfo& entry = *info.add_options();
     entry.set_name(std::string(option.name));
     entry.set_unit(std::string(option.unit));
     entry.set_description(std::string(option.description));

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "segserve/server/server_options.hpp"
-#include "segserve/v1alpha1/segmentation_service.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 
 namespace segserve::server {
 
 /// What GetServerInfo answers for these options; `workers` is the number that really runs.
-v1alpha1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers);
+v1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers);
 
 }  // namespace segserve::server

@@ -24,12 +24,12 @@ std::vector<std::unique_ptr<SegmenterInterface>> make_segmenters(std::size_t cou
   return segmenters;
 }
 
-StreamSettings stream_settings(const ServerOptions& options, const v1alpha1::GetServerInfoResponse& info) {
+StreamSettings stream_settings(const ServerOptions& options, const v1::GetServerInfoResponse& info) {
   StreamSettings settings;
   settings.defaults = options.defaults;
   settings.max_threads = options.threads;
   settings.limits = {.max_points = options.max_points, .max_bytes = options.max_decoded_bytes};
-  v1alpha1::StreamOpened& opened = settings.opened;
+  v1::StreamOpened& opened = settings.opened;
   opened.set_server_version(info.version());
   *opened.mutable_limits() = info.limits();
   opened.set_max_chunk_bytes(wire::kMaxChunkBytes);
@@ -45,8 +45,7 @@ CreditLimits credit_limits(const ServerOptions& options) {
 }
 
 /// A stream that comes while the server drains.
-class RefusedStream final
-    : public grpc::ServerBidiReactor<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse> {
+class RefusedStream final : public grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse> {
  public:
   RefusedStream() { Finish(wire::to_grpc(draining())); }
   void OnDone() override { delete this; }
@@ -85,8 +84,8 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
   return call;
 }
 
-grpc::ServerBidiReactor<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse>*
-SegmentationService::SegmentStream(grpc::CallbackServerContext* context) {
+grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentationService::SegmentStream(
+    grpc::CallbackServerContext* context) {
   if (!gate_.enter()) return new RefusedStream();  // deletes itself
   // Streams are clients, whether or not they share a connection.
   auto executor = std::make_unique<PoolExecutor>(pool_, segmenters_,
@@ -97,8 +96,8 @@ SegmentationService::SegmentStream(grpc::CallbackServerContext* context) {
 }
 
 grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServerContext* context,
-                                                             const v1alpha1::GetServerInfoRequest* /*request*/,
-                                                             v1alpha1::GetServerInfoResponse* response) {
+                                                             const v1::GetServerInfoRequest* /*request*/,
+                                                             v1::GetServerInfoResponse* response) {
   *response = info_;
   grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
   reactor->Finish(grpc::Status::OK);

@@ -14,17 +14,17 @@
 #include "segserve/server/stream/session_registry.hpp"
 #include "segserve/server/stream/stream_session.hpp"
 #include "segserve/server/worker_pool.hpp"
-#include "segserve/v1alpha1/segmentation_service.grpc.pb.h"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 
 namespace segserve::server {
 
 /// Segment as bytes, the others as messages. gRPC answers a request that it cannot parse with a bare
 /// UNIMPLEMENTED; parsed by us, it gets the INVALID_ARGUMENT that the API promises.
-using RawSegmentationService = v1alpha1::SegmentationService::WithRawCallbackMethod_Segment<
-    v1alpha1::SegmentationService::WithCallbackMethod_SegmentStream<
-        v1alpha1::SegmentationService::WithCallbackMethod_GetServerInfo<v1alpha1::SegmentationService::Service>>>;
+using RawSegmentationService =
+    v1::SegmentationService::WithRawCallbackMethod_Segment<v1::SegmentationService::WithCallbackMethod_SegmentStream<
+        v1::SegmentationService::WithCallbackMethod_GetServerInfo<v1::SegmentationService::Service>>>;
 
-/// The RPCs of segserve.v1alpha1. Handlers never block: they check the request and hand it to the worker pool.
+/// The RPCs of segserve.v1. Handlers never block: they check the request and hand it to the worker pool.
 class SegmentationService final : public RawSegmentationService {
  public:
   /// `options.workers` must not be 0 here.
@@ -32,11 +32,10 @@ class SegmentationService final : public RawSegmentationService {
 
   grpc::ServerUnaryReactor* Segment(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
                                     grpc::ByteBuffer* response) override;
-  grpc::ServerBidiReactor<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse>* SegmentStream(
+  grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentStream(
       grpc::CallbackServerContext* context) override;
-  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context,
-                                          const v1alpha1::GetServerInfoRequest* request,
-                                          v1alpha1::GetServerInfoResponse* response) override;
+  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* request,
+                                          v1::GetServerInfoResponse* response) override;
 
   /// Refuses new calls of Segment and SegmentStream, and new frames, from now on: UNAVAILABLE, DRAINING.
   void start_draining();
@@ -54,7 +53,7 @@ class SegmentationService final : public RawSegmentationService {
   const Options defaults_;
   const std::uint32_t max_threads_;
   const codec::DecodeLimits limits_;
-  const v1alpha1::GetServerInfoResponse info_;
+  const v1::GetServerInfoResponse info_;
   const StreamSettings stream_settings_;
   CallGate gate_;
   CreditBudget credit_;

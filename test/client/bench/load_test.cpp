@@ -33,7 +33,7 @@ std::vector<Encoding> all_encodings() {
     const wire::CodecOptions options{.codec = info.codec};
     encodings.push_back({.name = std::string(info.name),
                          .encode = [options](const CloudView& cloud) { return client::cloud_payload(cloud, options); },
-                         .of_answer = v1alpha1::COMPRESSION_ZSTD});
+                         .of_answer = v1::COMPRESSION_ZSTD});
   }
   return encodings;
 }

@@ -13,9 +13,9 @@ const loader = require('@grpc/proto-loader');
 const [proto, address, ...folders] = process.argv.slice(2);
 const PLANES = {x: 'x.f32', y: 'y.f32', z: 'z.f32', rgb: 'rgb.u8'};
 
-const definition = loader.loadSync('segserve/v1alpha1/segmentation_service.proto',
+const definition = loader.loadSync('segserve/v1/segmentation_service.proto',
                                    {includeDirs: [proto], keepCase: true, longs: Number, enums: String, oneofs: true});
-const service = grpc.loadPackageDefinition(definition).segserve.v1alpha1.SegmentationService;
+const service = grpc.loadPackageDefinition(definition).segserve.v1.SegmentationService;
 
 /** The header of a cloud and the bytes that follow it. */
 function readFrame(sequence, folder) {

@@ -17,7 +17,7 @@ import zlib
 
 sys.path.insert(0, sys.argv[1])
 import grpc  # noqa: E402
-from segserve.v1alpha1 import block_pb2, cloud_pb2, options_pb2, stream_pb2  # noqa: E402
+from segserve.v1 import block_pb2, cloud_pb2, options_pb2, stream_pb2  # noqa: E402
 
 PLANES = ("x.f32", "y.f32", "z.f32", "rgb.u8")
 
@@ -99,7 +99,7 @@ def main():
     folders = [pathlib.Path(name) for name in sys.argv[3:]]
     outgoing = queue.Queue()
     with grpc.insecure_channel(sys.argv[2]) as channel:
-        call = channel.stream_stream("/segserve.v1alpha1.SegmentationService/SegmentStream",
+        call = channel.stream_stream("/segserve.v1.SegmentationService/SegmentStream",
                                      request_serializer=stream_pb2.SegmentStreamRequest.SerializeToString,
                                      response_deserializer=stream_pb2.SegmentStreamResponse.FromString)
         responses = call(iter(outgoing.get, None), timeout=100)

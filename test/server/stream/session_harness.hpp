@@ -27,7 +27,7 @@ class ManualExecutor final : public FrameExecutor {
  public:
   absl::StatusOr<Ticket> submit(FrameJob job) override {
     if (!job.may_exceed_queue && jobs_.size() >= capacity) {
-      return wire::with_details(absl::ResourceExhaustedError("full"), {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL});
+      return wire::with_details(absl::ResourceExhaustedError("full"), {.reason = v1::ERROR_REASON_QUEUE_FULL});
     }
     jobs_.emplace_back(++last_, std::move(job));
     return last_;
@@ -54,10 +54,10 @@ class ManualExecutor final : public FrameExecutor {
 
 /// A frame as a client sends it.
 struct SentFrame {
-  v1alpha1::FrameHeader header;
+  v1::FrameHeader header;
   wire::OutgoingBytes bytes;
 
-  SentFrame(std::uint64_t sequence, v1alpha1::Cloud cloud) {
+  SentFrame(std::uint64_t sequence, v1::Cloud cloud) {
     header.set_sequence(sequence);
     *header.mutable_cloud() = std::move(cloud);
     bytes = wire::OutgoingBytes(std::make_shared<const wire::ByteRun>(wire::payload_blocks(*header.mutable_cloud())));
@@ -65,13 +65,13 @@ struct SentFrame {
     header.set_crc32(bytes.run().crc32());
   }
   explicit SentFrame(std::uint64_t sequence, const CloudView& cloud = equal_points(9, 0, 0, 1))
-      : SentFrame(sequence, wire::to_planar_message(cloud, v1alpha1::COMPRESSION_NONE).value()) {}
+      : SentFrame(sequence, wire::to_planar_message(cloud, v1::COMPRESSION_NONE).value()) {}
 };
 
 /// A session with everything around it in the test's hands: the clock, the workers, the segmenter.
 class SessionHarness {
  public:
-  using Response = v1alpha1::SegmentStreamResponse;
+  using Response = v1::SegmentStreamResponse;
 
   explicit SessionHarness(Credit credit = {.frames = 4, .bytes = 1 << 20})
       : budget_({.of_a_stream = credit, .usual_bytes = credit.bytes, .all_bytes = 4 * credit.bytes}),
@@ -90,26 +90,26 @@ class SessionHarness {
     return result;
   }
 
-  void say(v1alpha1::SegmentStreamRequest message) { session->on_message(message); }
-  void open(const v1alpha1::StreamOpen& open = {}) {
-    v1alpha1::SegmentStreamRequest message;
+  void say(v1::SegmentStreamRequest message) { session->on_message(message); }
+  void open(const v1::StreamOpen& open = {}) {
+    v1::SegmentStreamRequest message;
     *message.mutable_open() = open;
     say(message);
     for (const Response& response : read()) EXPECT_TRUE(response.has_opened()) << response.DebugString();
   }
-  void say_header(const v1alpha1::FrameHeader& header) {
-    v1alpha1::SegmentStreamRequest message;
+  void say_header(const v1::FrameHeader& header) {
+    v1::SegmentStreamRequest message;
     *message.mutable_frame() = header;
     say(message);
   }
   void say_chunk(std::uint64_t sequence, std::string_view data) {
-    v1alpha1::SegmentStreamRequest message;
+    v1::SegmentStreamRequest message;
     message.mutable_chunk()->set_sequence(sequence);
     message.mutable_chunk()->set_data(data.data(), data.size());
     say(message);
   }
   void say_cancel(std::uint64_t sequence) {
-    v1alpha1::SegmentStreamRequest message;
+    v1::SegmentStreamRequest message;
     message.mutable_cancel()->set_sequence(sequence);
     say(message);
   }
@@ -130,18 +130,18 @@ class SessionHarness {
     return responses;
   }
   /// The outcomes among it.
-  std::vector<v1alpha1::FrameOutcome> outcomes() {
-    std::vector<v1alpha1::FrameOutcome> found;
+  std::vector<v1::FrameOutcome> outcomes() {
+    std::vector<v1::FrameOutcome> found;
     for (const Response& response : read()) {
       if (response.has_outcome()) found.push_back(response.outcome());
     }
     return found;
   }
   /// The one outcome that there must be.
-  v1alpha1::FrameOutcome outcome() {
+  v1::FrameOutcome outcome() {
     const auto found = outcomes();
     EXPECT_EQ(found.size(), 1U);
-    return found.empty() ? v1alpha1::FrameOutcome() : found.front();
+    return found.empty() ? v1::FrameOutcome() : found.front();
   }
 
   CreditBudget& budget() { return budget_; }
@@ -161,7 +161,7 @@ class SessionHarness {
   std::shared_ptr<StreamSession> session;  // ends first
 };
 
-inline v1alpha1::ErrorReason reason_of(const v1alpha1::FrameOutcome& outcome) {
+inline v1::ErrorReason reason_of(const v1::FrameOutcome& outcome) {
   return wire::details_of(wire::from_message(outcome.status())).reason;
 }
 

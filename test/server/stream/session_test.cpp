@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using v1alpha1::FrameOutcome;
+using v1::FrameOutcome;
 
 std::vector<std::uint64_t> sequences(const std::vector<FrameOutcome>& outcomes) {
   std::vector<std::uint64_t> numbers;
@@ -18,9 +18,8 @@ std::vector<std::uint64_t> sequences(const std::vector<FrameOutcome>& outcomes) 
   return numbers;
 }
 
-v1alpha1::StreamOpen opening(v1alpha1::WhenBehind when_behind,
-                             v1alpha1::ResultOrder order = v1alpha1::RESULT_ORDER_ORDERED) {
-  v1alpha1::StreamOpen open;
+v1::StreamOpen opening(v1::WhenBehind when_behind, v1::ResultOrder order = v1::RESULT_ORDER_ORDERED) {
+  v1::StreamOpen open;
   open.set_when_behind(when_behind);
   open.set_order(order);
   return open;
@@ -30,14 +29,14 @@ void expect_violation(const SessionHarness& harness, const std::string& text) {
   const auto ended = harness.session->ended();
   ASSERT_TRUE(ended.has_value()) << text;
   EXPECT_EQ(ended->code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(wire::details_of(*ended).reason, v1alpha1::ERROR_REASON_PROTOCOL_VIOLATION);
+  EXPECT_EQ(wire::details_of(*ended).reason, v1::ERROR_REASON_PROTOCOL_VIOLATION);
   EXPECT_THAT(std::string(ended->message()), HasSubstr(text));
 }
 
 TEST(Session, OpensWithItsCreditAndTheServersLimits) {
   SessionHarness harness({.frames = 3, .bytes = 5000});
   harness.settings.opened.set_server_version("1.2.3");
-  v1alpha1::SegmentStreamRequest message;
+  v1::SegmentStreamRequest message;
   message.mutable_open()->mutable_wanted()->set_bytes(4000);
   harness.say(message);
   const auto said = harness.read();
@@ -68,7 +67,7 @@ TEST(Session, AFrameGetsItsResult) {
   EXPECT_EQ(outcome.request_id(), "a");
   EXPECT_EQ(outcome.frame_id(), "camera");
   EXPECT_EQ(outcome.stamp().seconds(), 12);
-  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_RESULT);
   EXPECT_FALSE(outcome.has_status());
 
   wire::IncomingBytes bytes(wire::result_block_sizes(outcome.result()));
@@ -84,7 +83,7 @@ TEST(Session, AFrameGetsItsResult) {
 TEST(Session, TheSegmenterGetsTheCloudAndTheOptions) {
   SessionHarness harness;
   harness.settings.max_threads = 2;
-  v1alpha1::StreamOpen open;
+  v1::StreamOpen open;
   open.mutable_options()->set_voxel_resolution(0.01);
   open.mutable_options()->set_threads(8);
   harness.open(open);
@@ -110,8 +109,7 @@ TEST(Session, TheSegmenterGetsTheCloudAndTheOptions) {
 TEST(Session, OutcomesComeInTheOrderOfTheFramesIfAskedFor) {
   for (const bool ordered : {true, false}) {
     SessionHarness harness;
-    harness.open(opening(v1alpha1::WHEN_BEHIND_BLOCK,
-                         ordered ? v1alpha1::RESULT_ORDER_ORDERED : v1alpha1::RESULT_ORDER_UNORDERED));
+    harness.open(opening(v1::WHEN_BEHIND_BLOCK, ordered ? v1::RESULT_ORDER_ORDERED : v1::RESULT_ORDER_UNORDERED));
     harness.send(SentFrame(1));
     harness.send(SentFrame(2));
     FrameJob first = harness.executor.take();
@@ -132,31 +130,31 @@ TEST(Session, AFailedFrameDoesNotEndTheStream) {
   wrong.header.mutable_cloud()->clear_view();
   harness.send(wrong);  // with all its chunks, which were on their way
   const FrameOutcome outcome = harness.outcome();
-  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_FAILED);
+  EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_FAILED);
   const auto fields = wire::details_of(wire::from_message(outcome.status())).fields;
   EXPECT_EQ(fields.size(), 2U) << "every wrong field: " << outcome.status().message();
 
   SentFrame too_large(2, equal_points(1001, 0, 0, 1));
   harness.say_header(too_large.header);
-  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_LIMIT_EXCEEDED);
 
   SentFrame bad_cloud(3);
   harness.send(bad_cloud);
   harness.on_segment = [](const auto&, const auto&, const auto&) { return absl::InvalidArgumentError("z <= 0"); };
   harness.compute();
-  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_INVALID_CLOUD);
+  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_INVALID_CLOUD);
 
   harness.on_segment = [](const auto&, const auto&, const auto&) -> absl::StatusOr<Segmentation> {
     throw std::bad_alloc();
   };
   harness.send(SentFrame(4));
   harness.compute();
-  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_INTERNAL);
+  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_INTERNAL);
 
   harness.on_segment = nullptr;
   harness.send(SentFrame(5));
   harness.compute();
-  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
   EXPECT_FALSE(harness.session->ended());
 }
 
@@ -167,7 +165,7 @@ TEST(Session, WhatAHeaderAnnouncesMustHold) {
   sum.header.set_encoded_bytes(sum.header.encoded_bytes() + 1);
   harness.say_header(sum.header);
   FrameOutcome outcome = harness.outcome();
-  EXPECT_EQ(reason_of(outcome), v1alpha1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(reason_of(outcome), v1::ERROR_REASON_INVALID_FIELD);
   EXPECT_THAT(outcome.status().message(), HasSubstr("encoded_bytes"));
 
   SentFrame inside(2);
@@ -183,7 +181,7 @@ TEST(Session, WhatAHeaderAnnouncesMustHold) {
   SentFrame decoded(4);
   decoded.header.set_decoded_bytes(std::uint64_t{1} << 40U);
   harness.say_header(decoded.header);
-  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_LIMIT_EXCEEDED);
 }
 
 TEST(Session, DamagedPayloadIsToBeSentAgain) {
@@ -194,7 +192,7 @@ TEST(Session, DamagedPayloadIsToBeSentAgain) {
   harness.send(frame);
   const FrameOutcome outcome = harness.outcome();
   EXPECT_EQ(outcome.status().code(), static_cast<int>(absl::StatusCode::kAborted));
-  EXPECT_EQ(reason_of(outcome), v1alpha1::ERROR_REASON_CHECKSUM);
+  EXPECT_EQ(reason_of(outcome), v1::ERROR_REASON_CHECKSUM);
   EXPECT_EQ(harness.executor.queued(), 0U);
 }
 
@@ -205,7 +203,7 @@ TEST(Session, CreditIsUsedByHeadersAndReturnedWithTheLastChunk) {
   harness.send(SentFrame(1));
   harness.send(SentFrame(2));
   harness.compute();
-  v1alpha1::SegmentStreamResponse message;
+  v1::SegmentStreamResponse message;
   ASSERT_TRUE(harness.session->next(message));  // the outcome, not yet its chunk
   harness.read();
   harness.send(SentFrame(3));  // allowed again
@@ -219,7 +217,7 @@ TEST(Session, ResultsThatWereNotReadKeepTheirCredit) {
   harness.open();
   harness.send(SentFrame(1));
   harness.compute();
-  v1alpha1::SegmentStreamResponse message;
+  v1::SegmentStreamResponse message;
   ASSERT_TRUE(harness.session->next(message));
   ASSERT_TRUE(message.has_outcome());
   harness.say_header(SentFrame(2).header);
@@ -248,7 +246,7 @@ TEST(Session, BreakingTheProtocolEndsTheStream) {
   after_open(
       [](auto& h) {
         h.say([] {
-          v1alpha1::SegmentStreamRequest m;
+          v1::SegmentStreamRequest m;
           m.mutable_open();
           return m;
         }());
@@ -293,7 +291,7 @@ TEST(Session, BreakingTheProtocolEndsTheStream) {
 
 TEST(Session, WrongOptionsInTheOpeningEndTheStreamWithAllTheirNames) {
   SessionHarness harness;
-  v1alpha1::SegmentStreamRequest message;
+  v1::SegmentStreamRequest message;
   message.mutable_open()->mutable_options()->set_voxel_resolution(-1);
   message.mutable_open()->mutable_options()->set_seed_resolution(-1);
   message.mutable_open()->set_client_name(std::string(300, 'a'));
@@ -305,18 +303,18 @@ TEST(Session, WrongOptionsInTheOpeningEndTheStreamWithAllTheirNames) {
 
 TEST(Session, CancelTakesAFrameOutWhereverItIs) {
   SessionHarness harness;
-  harness.open(opening(v1alpha1::WHEN_BEHIND_BLOCK, v1alpha1::RESULT_ORDER_UNORDERED));
+  harness.open(opening(v1::WHEN_BEHIND_BLOCK, v1::RESULT_ORDER_UNORDERED));
   harness.say_cancel(99);  // unknown
   EXPECT_TRUE(harness.read().empty());
 
   SentFrame uploading(1);
   harness.say_header(uploading.header);
   harness.say_cancel(1);
-  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_CANCELLED);
 
   harness.send(SentFrame(2));
   harness.say_cancel(2);
-  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_CANCELLED);
   EXPECT_EQ(harness.executor.queued(), 0U);
 
   harness.send(SentFrame(3));
@@ -327,14 +325,14 @@ TEST(Session, CancelTakesAFrameOutWhereverItIs) {
     return stop.check();
   };
   harness.compute();
-  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_CANCELLED);
   harness.say_cancel(3);  // its outcome is known
   EXPECT_TRUE(harness.read().empty());
 }
 
 TEST(Session, FramesExpireWithTheirAgeAtTheClientCounted) {
   SessionHarness harness;
-  harness.open(opening(v1alpha1::WHEN_BEHIND_BLOCK, v1alpha1::RESULT_ORDER_UNORDERED));
+  harness.open(opening(v1::WHEN_BEHIND_BLOCK, v1::RESULT_ORDER_UNORDERED));
   const auto frame = [](std::uint64_t sequence) {
     SentFrame made(sequence);
     made.header.mutable_time_to_live()->set_seconds(1);
@@ -348,7 +346,7 @@ TEST(Session, FramesExpireWithTheirAgeAtTheClientCounted) {
   EXPECT_TRUE(harness.read().empty());
   harness.now += 1ms;
   harness.session->on_tick();
-  for (const FrameOutcome& outcome : harness.outcomes()) EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_EXPIRED);
+  for (const FrameOutcome& outcome : harness.outcomes()) EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_EXPIRED);
   EXPECT_EQ(harness.executor.queued(), 0U) << "nobody computes what nobody wants";
   EXPECT_EQ(harness.session->frames_in_flight(), 0U);
 
@@ -358,17 +356,17 @@ TEST(Session, FramesExpireWithTheirAgeAtTheClientCounted) {
     return SessionHarness::all_in_one(cloud);
   };
   harness.compute();
-  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_EXPIRED) << "too late is too late";
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_EXPIRED) << "too late is too late";
 }
 
 TEST(Session, DropOldestMakesRoomForTheNewest) {
   SessionHarness harness;
   harness.executor.capacity = 2;
-  harness.open(opening(v1alpha1::WHEN_BEHIND_DROP_OLDEST));
+  harness.open(opening(v1::WHEN_BEHIND_DROP_OLDEST));
   for (const std::uint64_t sequence : {1, 2, 3}) harness.send(SentFrame(sequence));
   FrameOutcome outcome = harness.outcome();
   EXPECT_EQ(outcome.sequence(), 1U);
-  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_DROPPED);
+  EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_DROPPED);
   harness.compute();
   harness.compute();
   EXPECT_THAT(sequences(harness.outcomes()), ElementsAre(2U, 3U));
@@ -377,25 +375,25 @@ TEST(Session, DropOldestMakesRoomForTheNewest) {
   harness.send(SentFrame(4));
   outcome = harness.outcome();
   EXPECT_EQ(outcome.sequence(), 4U);
-  EXPECT_EQ(outcome.kind(), v1alpha1::OUTCOME_KIND_DROPPED);
+  EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_DROPPED);
 }
 
 TEST(Session, RejectRefusesTheNewestAndBlockLosesNothing) {
   SessionHarness harness;
   harness.executor.capacity = 1;
-  harness.open(opening(v1alpha1::WHEN_BEHIND_REJECT));
+  harness.open(opening(v1::WHEN_BEHIND_REJECT));
   harness.send(SentFrame(1));
   harness.send(SentFrame(2));
   harness.compute();
   const auto outcomes = harness.outcomes();
   ASSERT_EQ(outcomes.size(), 2U);
-  EXPECT_EQ(outcomes[0].kind(), v1alpha1::OUTCOME_KIND_RESULT);
-  EXPECT_EQ(outcomes[1].kind(), v1alpha1::OUTCOME_KIND_FAILED);
-  EXPECT_EQ(reason_of(outcomes[1]), v1alpha1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(outcomes[0].kind(), v1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(outcomes[1].kind(), v1::OUTCOME_KIND_FAILED);
+  EXPECT_EQ(reason_of(outcomes[1]), v1::ERROR_REASON_QUEUE_FULL);
 
   SessionHarness patient;
   patient.executor.capacity = 1;
-  patient.open(opening(v1alpha1::WHEN_BEHIND_BLOCK));
+  patient.open(opening(v1::WHEN_BEHIND_BLOCK));
   for (const std::uint64_t sequence : {1, 2, 3}) patient.send(SentFrame(sequence));
   while (patient.executor.queued() > 0) patient.compute();
   EXPECT_THAT(sequences(patient.outcomes()), ElementsAre(1U, 2U, 3U));
@@ -424,11 +422,11 @@ TEST(Session, AnUploadThatStallsFails) {
   EXPECT_TRUE(harness.read().empty()) << "a slow one does not";
   harness.now += 1s;
   harness.session->on_tick();
-  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_UPLOAD_STALLED);
+  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_UPLOAD_STALLED);
   harness.say_chunk(1, frame.bytes.next(1));  // was on its way
   harness.send(SentFrame(2));
   harness.compute();
-  EXPECT_EQ(harness.outcome().kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
 }
 
 TEST(Session, HalfCloseEndsItWhenEveryFrameHasItsOutcome) {
@@ -448,7 +446,7 @@ TEST(Session, HalfCloseInTheMiddleOfAFrameFailsIt) {
   harness.open();
   harness.say_header(SentFrame(1).header);
   harness.session->on_half_close();
-  EXPECT_EQ(reason_of(harness.outcome()), v1alpha1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_MALFORMED_PAYLOAD);
   EXPECT_EQ(harness.session->ended(), absl::OkStatus());
 }
 
@@ -466,8 +464,8 @@ TEST(Session, DrainingLetsFramesFinishAndRefusesLaterOnes) {
   harness.compute();
   const auto outcomes = harness.outcomes();
   ASSERT_EQ(outcomes.size(), 2U);
-  EXPECT_EQ(outcomes[0].kind(), v1alpha1::OUTCOME_KIND_RESULT);
-  EXPECT_EQ(reason_of(outcomes[1]), v1alpha1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(outcomes[0].kind(), v1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(reason_of(outcomes[1]), v1::ERROR_REASON_DRAINING);
   const auto ended = harness.session->ended();
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->code(), absl::StatusCode::kUnavailable);
@@ -527,7 +525,7 @@ TEST(Session, WithoutCreditLeftTheStreamIsRefused) {
   const auto more = harness.budget().reserve({}), most = harness.budget().reserve({}),
              rest = harness.budget().reserve({});
   ASSERT_TRUE(all && more && most && rest);
-  v1alpha1::SegmentStreamRequest message;
+  v1::SegmentStreamRequest message;
   message.mutable_open();
   harness.say(message);
   EXPECT_EQ(harness.session->ended()->code(), absl::StatusCode::kResourceExhausted);
@@ -537,7 +535,7 @@ TEST(Session, WithoutCreditLeftTheStreamIsRefused) {
 // Every frame has exactly one outcome, whatever happens in whatever order, with workers of their own (for TSan, too).
 TEST(Session, EveryFrameHasExactlyOneOutcome) {
   SessionHarness harness({.frames = 8, .bytes = 1 << 20});
-  harness.open(opening(v1alpha1::WHEN_BEHIND_DROP_OLDEST, v1alpha1::RESULT_ORDER_UNORDERED));
+  harness.open(opening(v1::WHEN_BEHIND_DROP_OLDEST, v1::RESULT_ORDER_UNORDERED));
   constexpr std::uint64_t kFrames = 400;
   std::mutex mutex;
   std::vector<FrameJob> stolen;

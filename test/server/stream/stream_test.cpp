@@ -12,22 +12,22 @@ namespace segserve::server {
 namespace {
 
 using namespace std::chrono_literals;
-using v1alpha1::FrameOutcome;
+using v1::FrameOutcome;
 
 /// A stream by the synchronous API.
 class StubStream {
  public:
   explicit StubStream(RunningServer& server) : stream_(server.stub().SegmentStream(&context_)) {}
 
-  bool open(const v1alpha1::StreamOpen& open = {}) {
-    v1alpha1::SegmentStreamRequest message;
+  bool open(const v1::StreamOpen& open = {}) {
+    v1::SegmentStreamRequest message;
     *message.mutable_open() = open;
-    v1alpha1::SegmentStreamResponse answer;
+    v1::SegmentStreamResponse answer;
     return stream_->Write(message) && stream_->Read(&answer) && answer.has_opened();
   }
   bool send(SentFrame frame, std::size_t chunk_bytes = wire::kMaxChunkBytes) {
     const std::uint64_t sequence = frame.header.sequence();
-    v1alpha1::SegmentStreamRequest message;
+    v1::SegmentStreamRequest message;
     *message.mutable_frame() = std::move(frame.header);
     bool ok = stream_->Write(message);
     while (ok && !frame.bytes.done()) {
@@ -39,14 +39,14 @@ class StubStream {
     return ok;
   }
   void cancel(std::uint64_t sequence) {
-    v1alpha1::SegmentStreamRequest message;
+    v1::SegmentStreamRequest message;
     message.mutable_cancel()->set_sequence(sequence);
     stream_->Write(message);
   }
 
   /// The next outcome with the bytes of its result; nullopt at the end of the stream.
   std::optional<FrameOutcome> next() {
-    v1alpha1::SegmentStreamResponse message;
+    v1::SegmentStreamResponse message;
     do {
       if (!stream_->Read(&message)) return std::nullopt;
     } while (message.has_draining());
@@ -73,7 +73,7 @@ class StubStream {
 
  private:
   grpc::ClientContext context_;
-  std::unique_ptr<grpc::ClientReaderWriter<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse>> stream_;
+  std::unique_ptr<grpc::ClientReaderWriter<v1::SegmentStreamRequest, v1::SegmentStreamResponse>> stream_;
 };
 
 std::vector<std::uint32_t> labels_of(const FrameOutcome& outcome, std::size_t points) {
@@ -88,7 +88,7 @@ TEST(Stream, FramesGetTheLabelsOfALocalRun) {
     const Cloud cloud = wall_with_box(width, 90);
     ASSERT_TRUE(stream.send(SentFrame(width, cloud), 1000 + width));
     const auto outcome = stream.next();
-    ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
+    ASSERT_TRUE(outcome && outcome->kind() == v1::OUTCOME_KIND_RESULT) << outcome->status().message();
     EXPECT_EQ(labels_of(*outcome, cloud.size()), Segmenter().segment(cloud, Options()).value().labels);
   }
   EXPECT_EQ(stream.finish(), absl::OkStatus());
@@ -107,7 +107,7 @@ TEST(Stream, CarriesCloudsBeyondTheUnaryLimitInBothDirections) {
   ASSERT_TRUE(stream.open());
   ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
   const auto outcome = stream.next();
-  ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
+  ASSERT_TRUE(outcome && outcome->kind() == v1::OUTCOME_KIND_RESULT) << outcome->status().message();
   EXPECT_EQ(outcome->encoded_bytes(), 4U * kPoints);
   EXPECT_EQ(stream.finish(), absl::OkStatus());
 }
@@ -122,16 +122,16 @@ TEST(Stream, CarriesTreesBeyondAChunk) {
                          result.tree = tree;
                          return absl::StatusOr<Segmentation>(result);
                        }));
-  for (const auto compression : {v1alpha1::COMPRESSION_NONE, v1alpha1::COMPRESSION_ZSTD}) {
+  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
     StubStream stream(server);
-    v1alpha1::StreamOpen open;
+    v1::StreamOpen open;
     *open.mutable_outputs() =
         wire::to_message(wire::Outputs{.labels = false, .supervoxels = true, .tree = true, .compression = compression});
     ASSERT_TRUE(stream.open(open));
     ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
     const auto outcome = stream.next();
-    ASSERT_TRUE(outcome && outcome->kind() == v1alpha1::OUTCOME_KIND_RESULT) << outcome->status().message();
-    if (compression == v1alpha1::COMPRESSION_NONE) {
+    ASSERT_TRUE(outcome && outcome->kind() == v1::OUTCOME_KIND_RESULT) << outcome->status().message();
+    if (compression == v1::COMPRESSION_NONE) {
       EXPECT_EQ(outcome->encoded_bytes(), (4 + 1) * kPoints + (4 + 4 + 8) * (kPoints - 1));
     } else {
       EXPECT_LT(outcome->encoded_bytes(), 21 * kPoints / 2);
@@ -172,7 +172,7 @@ TEST(Stream, AProtocolViolationEndsItAndTheServerGoesOn) {
   StubStream stream(server);
   stream.send(SentFrame(1));  // the server may end it before all of it is written
   const absl::Status status = stream.finish();
-  EXPECT_EQ(wire::details_of(status).reason, v1alpha1::ERROR_REASON_PROTOCOL_VIOLATION) << status;
+  EXPECT_EQ(wire::details_of(status).reason, v1::ERROR_REASON_PROTOCOL_VIOLATION) << status;
   StubStream other(server);
   EXPECT_TRUE(other.open());
   EXPECT_EQ(other.finish(), absl::OkStatus());
@@ -186,11 +186,11 @@ TEST(Stream, ACancelledFrameStopsItsComputation) {
   ASSERT_TRUE(stream.send(SentFrame(1)));
   ASSERT_TRUE(eventually([&] { return blockade.entered() == 1; }));
   stream.cancel(1);
-  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_CANCELLED);
+  EXPECT_EQ(stream.next()->kind(), v1::OUTCOME_KIND_CANCELLED);
   EXPECT_EQ(blockade.stopped(), 1);
   blockade.release();
   ASSERT_TRUE(stream.send(SentFrame(2)));
-  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(stream.next()->kind(), v1::OUTCOME_KIND_RESULT);
 }
 
 TEST(Stream, AClientThatVanishesFreesItsWorkerAndItsCredit) {
@@ -219,8 +219,8 @@ TEST(Stream, ExpiredWhileItWaits) {
   Blockade blockade;
   RunningServer server(small_server(), blocking_factory(blockade));
   StubStream stream(server);
-  v1alpha1::StreamOpen unordered;
-  unordered.set_order(v1alpha1::RESULT_ORDER_UNORDERED);
+  v1::StreamOpen unordered;
+  unordered.set_order(v1::RESULT_ORDER_UNORDERED);
   ASSERT_TRUE(stream.open(unordered));
   ASSERT_TRUE(stream.send(SentFrame(1)));
   SentFrame old(2);
@@ -229,9 +229,9 @@ TEST(Stream, ExpiredWhileItWaits) {
   ASSERT_TRUE(stream.send(old));
   const auto outcome = stream.next();
   EXPECT_EQ(outcome->sequence(), 2U);
-  EXPECT_EQ(outcome->kind(), v1alpha1::OUTCOME_KIND_EXPIRED);
+  EXPECT_EQ(outcome->kind(), v1::OUTCOME_KIND_EXPIRED);
   blockade.release();
-  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(stream.next()->kind(), v1::OUTCOME_KIND_RESULT);
 }
 
 TEST(Stream, DrainingFinishesTheFramesInFlight) {
@@ -244,7 +244,7 @@ TEST(Stream, DrainingFinishesTheFramesInFlight) {
   auto stopped = std::async(std::launch::async, [&] { return server.server().stop(); });
   ASSERT_TRUE(eventually([&] { return server.health() != grpc::health::v1::HealthCheckResponse::SERVING; }));
   blockade.release();
-  EXPECT_EQ(stream.next()->kind(), v1alpha1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(stream.next()->kind(), v1::OUTCOME_KIND_RESULT);
   const absl::Status ended = stream.finish();
   EXPECT_TRUE(ended.ok() || absl::IsUnavailable(ended)) << ended;
   EXPECT_TRUE(stopped.get()) << "nothing had to be cancelled";
@@ -268,7 +268,7 @@ TEST(Stream, AClientThatDoesNotReadEndsWithTheGracePeriod) {
                          ++segmented;
                          return absl::StatusOr<Segmentation>(result);
                        }));
-  const auto cloud = wire::to_planar_message(equal_points(2'000'000, 0, 0, 1), v1alpha1::COMPRESSION_ZSTD).value();
+  const auto cloud = wire::to_planar_message(equal_points(2'000'000, 0, 0, 1), v1::COMPRESSION_ZSTD).value();
   StubStream stream(server);
   ASSERT_TRUE(stream.open());
   for (std::uint64_t sequence = 1; sequence <= 8; ++sequence) {  // 64 MB back, beyond any window of HTTP/2

@@ -10,9 +10,9 @@
 
 namespace segserve::wire {
 
-absl::StatusOr<DecodedCloud> decode_draco(const v1alpha1::Cloud& message, const std::optional<View>& view,
+absl::StatusOr<DecodedCloud> decode_draco(const v1::Cloud& message, const std::optional<View>& view,
                                           const codec::DecodeLimits& limits, const StopToken& stop) {
-  const v1alpha1::DracoCloud& draco = message.draco();
+  const v1::DracoCloud& draco = message.draco();
   const std::uint64_t points = std::uint64_t{message.width()} * message.height();
   if (const absl::Status status = check_limits(points, 0, limits); !status.ok()) return status;
   std::string data_buffer;
@@ -30,15 +30,15 @@ absl::StatusOr<DecodedCloud> decode_draco(const v1alpha1::Cloud& message, const 
   return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
 }
 
-absl::StatusOr<v1alpha1::Cloud> to_draco_message(const CloudView& cloud, double error_bound) {
+absl::StatusOr<v1::Cloud> to_draco_message(const CloudView& cloud, double error_bound) {
   absl::StatusOr<codec::DracoFile> file = codec::encode_draco(cloud, error_bound);
   if (!file.ok()) return file.status();
-  v1alpha1::Cloud message = message_around(cloud);
+  v1::Cloud message = message_around(cloud);
   message.set_error_bound(error_bound);
-  v1alpha1::DracoCloud& draco = *message.mutable_draco();
+  v1::DracoCloud& draco = *message.mutable_draco();
   *draco.mutable_data() = to_raw_block(std::move(file->data));
   if (!file->finite.empty()) {
-    absl::StatusOr<v1alpha1::Block> finite = to_block(std::move(file->finite), v1alpha1::COMPRESSION_ZSTD);
+    absl::StatusOr<v1::Block> finite = to_block(std::move(file->finite), v1::COMPRESSION_ZSTD);
     if (!finite.ok()) return finite.status();
     *draco.mutable_finite() = *std::move(finite);
   }

@@ -9,7 +9,7 @@
 
 namespace segserve::wire {
 
-absl::StatusOr<DecodedCloud> decode_pcd_file(const v1alpha1::Cloud& message, const std::optional<View>& view,
+absl::StatusOr<DecodedCloud> decode_pcd_file(const v1::Cloud& message, const std::optional<View>& view,
                                              const codec::DecodeLimits& limits, const StopToken& stop) {
   std::string buffer;
   const auto bytes = block_bytes_up_to(message.pcd_file().file(), limits.max_bytes, "cloud.pcd_file.file", buffer);
@@ -21,8 +21,8 @@ absl::StatusOr<DecodedCloud> decode_pcd_file(const v1alpha1::Cloud& message, con
   return DecodedCloud{std::move(decoded->cloud), std::move(decoded->view_rule)};
 }
 
-v1alpha1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view) {
-  v1alpha1::Cloud message;
+v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view) {
+  v1::Cloud message;
   if (view) *message.mutable_view() = to_message(*view);
   *message.mutable_pcd_file()->mutable_file() = to_raw_block(std::move(file_bytes));
   return message;

@@ -18,7 +18,7 @@ class PlaneReader {
  public:
   explicit PlaneReader(const StopToken& stop) : stop_(stop) {}
 
-  std::string_view read(const v1alpha1::Block& block, std::uint64_t bytes, std::string_view name, std::string& buffer) {
+  std::string_view read(const v1::Block& block, std::uint64_t bytes, std::string_view name, std::string& buffer) {
     if (status_.ok()) status_ = stop_.check();
     if (!status_.ok()) return {};
     const absl::StatusOr<std::string_view> plane = block_bytes(block, bytes, name, buffer);
@@ -34,9 +34,9 @@ class PlaneReader {
 
 }  // namespace
 
-absl::StatusOr<DecodedCloud> decode_planar(const v1alpha1::Cloud& message, const std::optional<View>& view,
+absl::StatusOr<DecodedCloud> decode_planar(const v1::Cloud& message, const std::optional<View>& view,
                                            const codec::DecodeLimits& limits, const StopToken& stop) {
-  const v1alpha1::PlanarCloud& planar = message.planar();
+  const v1::PlanarCloud& planar = message.planar();
   const std::uint64_t points = std::uint64_t{message.width()} * message.height();
   const bool has_color = !planar.rgb().data().empty() || planar.rgb().decoded_bytes() != 0;
   // A point takes at most 15 bytes, so the product cannot overflow once max_points is kept.
@@ -58,12 +58,12 @@ absl::StatusOr<DecodedCloud> decode_planar(const v1alpha1::Cloud& message, const
   return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
 }
 
-absl::StatusOr<v1alpha1::Cloud> to_planar_message(const CloudView& cloud, v1alpha1::Compression compression) {
+absl::StatusOr<v1::Cloud> to_planar_message(const CloudView& cloud, v1::Compression compression) {
   codec::PlanarPlanes planes = codec::encode_planar(cloud);
-  v1alpha1::Cloud message = message_around(cloud);
-  v1alpha1::PlanarCloud* planar = message.mutable_planar();
-  const auto put = [compression](std::string& plane, v1alpha1::Block* block) {
-    absl::StatusOr<v1alpha1::Block> made = to_block(std::move(plane), compression);
+  v1::Cloud message = message_around(cloud);
+  v1::PlanarCloud* planar = message.mutable_planar();
+  const auto put = [compression](std::string& plane, v1::Block* block) {
+    absl::StatusOr<v1::Block> made = to_block(std::move(plane), compression);
     if (!made.ok()) return made.status();
     *block = *std::move(made);
     return absl::OkStatus();

@@ -11,7 +11,7 @@
 
 namespace segserve::wire {
 
-absl::StatusOr<DecodedCloud> decode_quantised(const v1alpha1::Cloud& message, const std::optional<View>& view,
+absl::StatusOr<DecodedCloud> decode_quantised(const v1::Cloud& message, const std::optional<View>& view,
                                               const codec::DecodeLimits& limits, const StopToken& stop) {
   std::string buffer;
   const auto bytes = block_bytes_up_to(message.quantised().data(), limits.max_bytes, "cloud.quantised.data", buffer);
@@ -28,10 +28,10 @@ absl::StatusOr<DecodedCloud> decode_quantised(const v1alpha1::Cloud& message, co
   return DecodedCloud{std::move(decoded->cloud), requested_view_rule(*view)};
 }
 
-absl::StatusOr<v1alpha1::Cloud> to_quantised_message(const CloudView& cloud, double error_bound) {
+absl::StatusOr<v1::Cloud> to_quantised_message(const CloudView& cloud, double error_bound) {
   absl::StatusOr<std::string> bytes = codec::encode_quantised(cloud, error_bound);
   if (!bytes.ok()) return bytes.status();
-  v1alpha1::Cloud message = message_around(cloud);
+  v1::Cloud message = message_around(cloud);
   message.set_error_bound(error_bound);
   *message.mutable_quantised()->mutable_data() = to_raw_block(*std::move(bytes));
   return message;

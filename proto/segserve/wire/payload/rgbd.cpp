@@ -11,9 +11,9 @@
 
 namespace segserve::wire {
 
-absl::StatusOr<DecodedCloud> decode_rgbd(const v1alpha1::Cloud& message, const std::optional<View>& /*view*/,
+absl::StatusOr<DecodedCloud> decode_rgbd(const v1::Cloud& message, const std::optional<View>& /*view*/,
                                          const codec::DecodeLimits& limits, const StopToken& stop) {
-  const v1alpha1::RgbdImages& rgbd = message.rgbd();
+  const v1::RgbdImages& rgbd = message.rgbd();
   std::string depth_buffer;
   std::string color_buffer;
   const auto depth = block_bytes_up_to(rgbd.depth(), limits.max_bytes, "cloud.rgbd.depth", depth_buffer);
@@ -31,15 +31,15 @@ absl::StatusOr<DecodedCloud> decode_rgbd(const v1alpha1::Cloud& message, const s
   return DecodedCloud{*std::move(cloud), "CAMERA, as RGB-D images are"};
 }
 
-v1alpha1::Cloud to_rgbd_message(codec::RgbdFiles images) {
-  v1alpha1::Cloud message;
+v1::Cloud to_rgbd_message(codec::RgbdFiles images) {
+  v1::Cloud message;
   if (const auto size = codec::png_size(images.depth); size.ok()) {
     message.set_width(size->width);
     message.set_height(size->height);
   }
   *message.mutable_view() = to_message(View::camera());
   message.set_error_bound(images.error_bound);
-  v1alpha1::RgbdImages& rgbd = *message.mutable_rgbd();
+  v1::RgbdImages& rgbd = *message.mutable_rgbd();
   *rgbd.mutable_depth() = to_raw_block(std::move(images.depth));
   if (!images.color.empty()) *rgbd.mutable_color() = to_raw_block(std::move(images.color));
   rgbd.set_depth_scale(images.depth_scale);
@@ -50,7 +50,7 @@ v1alpha1::Cloud to_rgbd_message(codec::RgbdFiles images) {
   return message;
 }
 
-absl::StatusOr<v1alpha1::Cloud> to_rgbd_message(const CloudView& cloud, int jpeg_quality) {
+absl::StatusOr<v1::Cloud> to_rgbd_message(const CloudView& cloud, int jpeg_quality) {
   absl::StatusOr<codec::RgbdFiles> images = codec::encode_rgbd(cloud, {.jpeg_quality = jpeg_quality});
   if (!images.ok()) return images.status();
   return to_rgbd_message(*std::move(images));

@@ -7,14 +7,14 @@ void Outbox::clear() {
   outcome_sent_ = false;
 }
 
-bool Outbox::next(v1alpha1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned) {
+bool Outbox::next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned) {
   if (frames_.empty()) return false;
   FinishedFrame& frame = frames_.front();
   if (!outcome_sent_) {
     *message.mutable_outcome() = frame.outcome;  // its number is needed for the chunks; the bytes are not in it
     outcome_sent_ = true;
   } else {
-    v1alpha1::ResultChunk& chunk = *message.mutable_chunk();
+    v1::ResultChunk& chunk = *message.mutable_chunk();
     chunk.set_sequence(frame.outcome.sequence());
     const std::string_view bytes = frame.bytes.next();
     chunk.set_data(bytes.data(), bytes.size());

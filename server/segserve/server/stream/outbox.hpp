@@ -4,14 +4,14 @@
 #include <deque>
 #include <optional>
 
-#include "segserve/v1alpha1/stream.pb.h"
+#include "segserve/v1/stream.pb.h"
 #include "segserve/wire/byte_run.hpp"
 
 namespace segserve::server {
 
 /// An outcome ready to be sent: its message and the bytes of its result.
 struct FinishedFrame {
-  v1alpha1::FrameOutcome outcome;
+  v1::FrameOutcome outcome;
   wire::OutgoingBytes bytes;
   std::uint64_t credit_bytes = 0;  ///< what the frame took
 };
@@ -25,7 +25,7 @@ class Outbox {
 
   /// The next message; false if there is none. `returned` is set with the last one of a frame: the bytes of credit
   /// that the client has again once it has read it.
-  bool next(v1alpha1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned);
+  bool next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned);
 
  private:
   std::deque<FinishedFrame> frames_;

@@ -7,7 +7,7 @@ namespace segserve::server {
 
 absl::Status protocol_violation(std::string_view what) {
   return wire::with_reason(absl::InvalidArgumentError(fmt::format("protocol of the stream: {}", what)),
-                           v1alpha1::ERROR_REASON_PROTOCOL_VIOLATION);
+                           v1::ERROR_REASON_PROTOCOL_VIOLATION);
 }
 
 }  // namespace segserve::server

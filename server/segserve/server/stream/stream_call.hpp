@@ -15,9 +15,8 @@ namespace segserve::server {
 
 /// The transport of one SegmentStream: at most one read and one write are on their way, and Finish happens exactly
 /// once, when the session has ended. Belongs to itself from `start` to OnDone, and to whoever wakes it.
-class StreamCall final
-    : public grpc::ServerBidiReactor<v1alpha1::SegmentStreamRequest, v1alpha1::SegmentStreamResponse>,
-      public std::enable_shared_from_this<StreamCall> {
+class StreamCall final : public grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>,
+                         public std::enable_shared_from_this<StreamCall> {
  public:
   /// `gate` was entered for this call, which leaves it last of all.
   StreamCall(CallGate& gate, SessionRegistry& registry, std::unique_ptr<FrameExecutor> executor)
@@ -41,8 +40,8 @@ class StreamCall final
   const std::unique_ptr<FrameExecutor> executor_;
   std::shared_ptr<StreamSession> session_;
   std::shared_ptr<StreamCall> self_;
-  v1alpha1::SegmentStreamRequest request_;    // gRPC's while a read is on its way
-  v1alpha1::SegmentStreamResponse response_;  // gRPC's while a write is
+  v1::SegmentStreamRequest request_;    // gRPC's while a read is on its way
+  v1::SegmentStreamResponse response_;  // gRPC's while a write is
   std::mutex mutex_;
   bool writing_ = false, finished_ = false;
 };

@@ -19,7 +19,7 @@ Clock::duration to_duration(const google::protobuf::Duration& message) {
   return std::chrono::seconds(message.seconds()) + std::chrono::nanoseconds(message.nanos());
 }
 
-absl::Status check_limits(const v1alpha1::FrameHeader& header, const codec::DecodeLimits& limits) {
+absl::Status check_limits(const v1::FrameHeader& header, const codec::DecodeLimits& limits) {
   const std::uint64_t points =
       std::max(header.points(), std::uint64_t{header.cloud().width()} * header.cloud().height());
   if (points > limits.max_points) {
@@ -36,7 +36,7 @@ absl::Status check_limits(const v1alpha1::FrameHeader& header, const codec::Deco
 
 absl::Status prepare(StreamFrame& frame, const wire::ParsedRequest& defaults, const Options& server_defaults,
                      const codec::DecodeLimits& limits) {
-  const v1alpha1::FrameHeader& header = frame.header;
+  const v1::FrameHeader& header = frame.header;
   absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_frame(header, defaults, server_defaults);
   if (!parsed.ok()) return parsed.status();
   frame.parsed = *std::move(parsed);
@@ -51,15 +51,15 @@ absl::Status prepare(StreamFrame& frame, const wire::ParsedRequest& defaults, co
 absl::Status attach_payload(StreamFrame& frame) {
   if (frame.header.has_crc32() && frame.header.crc32() != frame.payload.crc32()) {
     return wire::with_reason(absl::AbortedError("the payload was damaged on its way; send the frame again"),
-                             v1alpha1::ERROR_REASON_CHECKSUM);
+                             v1::ERROR_REASON_CHECKSUM);
   }
   frame.payload.move_to(wire::payload_blocks(*frame.header.mutable_cloud()));
   return absl::OkStatus();
 }
 
-FinishedFrame without_result(const StreamFrame& frame, v1alpha1::OutcomeKind kind, const absl::Status& status) {
+FinishedFrame without_result(const StreamFrame& frame, v1::OutcomeKind kind, const absl::Status& status) {
   FinishedFrame finished;
-  v1alpha1::FrameOutcome& outcome = finished.outcome;
+  v1::FrameOutcome& outcome = finished.outcome;
   outcome.set_sequence(frame.header.sequence());
   outcome.set_request_id(frame.header.request_id());
   outcome.set_frame_id(frame.header.frame_id());
@@ -70,8 +70,8 @@ FinishedFrame without_result(const StreamFrame& frame, v1alpha1::OutcomeKind kin
   return finished;
 }
 
-FinishedFrame with_result(const StreamFrame& frame, v1alpha1::SegmentationResult result) {
-  FinishedFrame finished = without_result(frame, v1alpha1::OUTCOME_KIND_RESULT, absl::OkStatus());
+FinishedFrame with_result(const StreamFrame& frame, v1::SegmentationResult result) {
+  FinishedFrame finished = without_result(frame, v1::OUTCOME_KIND_RESULT, absl::OkStatus());
   finished.bytes = wire::OutgoingBytes(std::make_shared<const wire::ByteRun>(wire::result_blocks(result)));
   *finished.outcome.mutable_result() = std::move(result);
   finished.outcome.set_encoded_bytes(finished.bytes.run().size());

@@ -10,7 +10,7 @@
 #include "segserve/codec/limits.hpp"
 #include "segserve/server/stream/frame_executor.hpp"
 #include "segserve/server/stream/outbox.hpp"
-#include "segserve/v1alpha1/stream.pb.h"
+#include "segserve/v1/stream.pb.h"
 #include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/request.hpp"
 
@@ -21,10 +21,10 @@ struct StreamFrame {
   using Clock = std::chrono::steady_clock;
   enum class State { kUploading, kQueued, kRunning, kDone };
 
-  StreamFrame(v1alpha1::FrameHeader frame_header, Clock::time_point now)
+  StreamFrame(v1::FrameHeader frame_header, Clock::time_point now)
       : header(std::move(frame_header)), arrival(now), last_chunk(now) {}
 
-  v1alpha1::FrameHeader header;  ///< its cloud gets the payload's bytes once they have come
+  v1::FrameHeader header;  ///< its cloud gets the payload's bytes once they have come
   wire::ParsedRequest parsed;
   wire::IncomingBytes payload;
   const Clock::time_point arrival;  ///< of the header
@@ -35,7 +35,7 @@ struct StreamFrame {
   FrameExecutor::Ticket ticket = 0;  ///< kQueued
   /// Set to end a computation early; `why_stopped` then tells its outcome.
   std::atomic<bool> stopped{false};
-  v1alpha1::OutcomeKind why_stopped = v1alpha1::OUTCOME_KIND_UNSPECIFIED;
+  v1::OutcomeKind why_stopped = v1::OUTCOME_KIND_UNSPECIFIED;
   std::optional<FinishedFrame> finished;  ///< kDone, and not yet in the outbox
 };
 
@@ -49,8 +49,8 @@ absl::Status prepare(StreamFrame& frame, const wire::ParsedRequest& defaults, co
 absl::Status attach_payload(StreamFrame& frame);
 
 /// The outcome of a frame that has no result; OK as its status means none.
-FinishedFrame without_result(const StreamFrame& frame, v1alpha1::OutcomeKind kind, const absl::Status& status);
+FinishedFrame without_result(const StreamFrame& frame, v1::OutcomeKind kind, const absl::Status& status);
 /// The outcome of a frame that has one.
-FinishedFrame with_result(const StreamFrame& frame, v1alpha1::SegmentationResult result);
+FinishedFrame with_result(const StreamFrame& frame, v1::SegmentationResult result);
 
 }  // namespace segserve::server

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kRetryOpen{1000};
 absl::Status no_credit_left() {
   return wire::with_details(
       absl::ResourceExhaustedError("all credit of this server is given to other streams; try again later"),
-      {.reason = v1alpha1::ERROR_REASON_QUEUE_FULL, .retry_delay = kRetryOpen});
+      {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = kRetryOpen});
 }
 
 }  // namespace
@@ -27,7 +27,7 @@ StreamSession::StreamSession(const StreamSettings& settings, FrameExecutor& exec
                              std::function<void()> wake)
     : settings_(settings), executor_(executor), budget_(budget), wake_(std::move(wake)) {}
 
-void StreamSession::on_message(v1alpha1::SegmentStreamRequest& message) {
+void StreamSession::on_message(v1::SegmentStreamRequest& message) {
   {
     const std::lock_guard lock(mutex_);
     if (end_) return;
@@ -41,7 +41,7 @@ void StreamSession::on_half_close() {
     const std::lock_guard lock(mutex_);
     half_closed_ = true;
     if (upload_ && upload_->state == State::kUploading) {
-      finish(upload_, v1alpha1::OUTCOME_KIND_FAILED,
+      finish(upload_, v1::OUTCOME_KIND_FAILED,
              wire::malformed(fmt::format("the stream was closed with {} of {} bytes of the frame missing",
                                          upload_->payload.missing(), upload_->header.encoded_bytes())));
     }
@@ -74,19 +74,19 @@ void StreamSession::on_tick() {
     for (const auto& [sequence, frame] : frames_) {
       if (frame->expiry && now >= *frame->expiry && frame->state < State::kRunning) expired.push_back(frame);
     }
-    for (const FramePointer& frame : expired) stop(frame, v1alpha1::OUTCOME_KIND_EXPIRED);
+    for (const FramePointer& frame : expired) stop(frame, v1::OUTCOME_KIND_EXPIRED);
     if (upload_ && upload_->state == State::kUploading && now - upload_->last_chunk >= settings_.upload_timeout) {
-      finish(upload_, v1alpha1::OUTCOME_KIND_FAILED,
+      finish(upload_, v1::OUTCOME_KIND_FAILED,
              wire::with_reason(absl::DeadlineExceededError(fmt::format("no chunk of the frame came for {} ms",
                                                                        settings_.upload_timeout.count())),
-                               v1alpha1::ERROR_REASON_UPLOAD_STALLED));
+                               v1::ERROR_REASON_UPLOAD_STALLED));
     }
   }
   wake_();
 }
 
-absl::Status StreamSession::handle(v1alpha1::SegmentStreamRequest& message) {
-  using Kind = v1alpha1::SegmentStreamRequest::KindCase;
+absl::Status StreamSession::handle(v1::SegmentStreamRequest& message) {
+  using Kind = v1::SegmentStreamRequest::KindCase;
   if (open_ == message.has_open()) {
     return protocol_violation(open_ ? "a second StreamOpen" : "the first message must be a StreamOpen");
   }
@@ -106,7 +106,7 @@ absl::Status StreamSession::handle(v1alpha1::SegmentStreamRequest& message) {
   return protocol_violation("a message of no kind that this server knows");
 }
 
-absl::Status StreamSession::open(const v1alpha1::StreamOpen& message) {
+absl::Status StreamSession::open(const v1::StreamOpen& message) {
   absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_open(message, settings_.defaults);
   if (!parsed.ok()) return parsed.status();
   if (draining_) return draining();
@@ -134,7 +134,7 @@ void StreamSession::end_with(const absl::Status& status) {
   outbox_.clear();
 }
 
-bool StreamSession::next(v1alpha1::SegmentStreamResponse& message) {
+bool StreamSession::next(v1::SegmentStreamResponse& message) {
   const std::lock_guard lock(mutex_);
   message.Clear();
   if (end_) return false;

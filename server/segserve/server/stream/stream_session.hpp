@@ -17,7 +17,7 @@
 #include "segserve/server/stream/frame_executor.hpp"
 #include "segserve/server/stream/outbox.hpp"
 #include "segserve/server/stream/stream_frame.hpp"
-#include "segserve/v1alpha1/stream.pb.h"
+#include "segserve/v1/stream.pb.h"
 #include "segserve/wire/request.hpp"
 
 namespace segserve::server {
@@ -30,7 +30,7 @@ struct StreamSettings {
   std::uint32_t max_threads = 1;  ///< within one frame
   codec::DecodeLimits limits;
   std::chrono::milliseconds upload_timeout{5000};  ///< between two chunks of a frame
-  v1alpha1::StreamOpened opened;                   ///< all but the credit
+  v1::StreamOpened opened;                         ///< all but the credit
   std::function<Clock::time_point()> now = Clock::now;
 };
 
@@ -46,7 +46,7 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
                 std::function<void()> wake);
 
   /// May take parts of the message.
-  void on_message(v1alpha1::SegmentStreamRequest& message);
+  void on_message(v1::SegmentStreamRequest& message);
   /// The client sends no more.
   void on_half_close();
   /// The transport is gone, or its deadline has passed: ends with this status as soon as nothing is computed any more.
@@ -57,7 +57,7 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   void on_tick();
 
   /// The next message to send; false if there is none at present.
-  bool next(v1alpha1::SegmentStreamResponse& message);
+  bool next(v1::SegmentStreamResponse& message);
   /// The status of the stream, once nothing is left to do or to send.
   std::optional<absl::Status> ended() const;
   /// Gives the credit back. Nothing may be called after it but by jobs that are still in the queue.
@@ -71,17 +71,17 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   using Clock = StreamSettings::Clock;
 
   // All of these expect the lock.
-  absl::Status handle(v1alpha1::SegmentStreamRequest& message);
-  absl::Status open(const v1alpha1::StreamOpen& message);
-  absl::Status begin_frame(v1alpha1::FrameHeader& header);
-  absl::Status take_credit(const v1alpha1::FrameHeader& header);
-  absl::Status take_chunk(const v1alpha1::FrameChunk& chunk);
+  absl::Status handle(v1::SegmentStreamRequest& message);
+  absl::Status open(const v1::StreamOpen& message);
+  absl::Status begin_frame(v1::FrameHeader& header);
+  absl::Status take_credit(const v1::FrameHeader& header);
+  absl::Status take_chunk(const v1::FrameChunk& chunk);
   void cancel_frame(std::uint64_t sequence);
   void uploaded(const FramePointer& frame);
   absl::Status submit(const FramePointer& frame);
   bool drop_oldest();
-  void stop(const FramePointer& frame, v1alpha1::OutcomeKind kind);
-  void finish(const FramePointer& frame, v1alpha1::OutcomeKind kind, const absl::Status& status);
+  void stop(const FramePointer& frame, v1::OutcomeKind kind);
+  void finish(const FramePointer& frame, v1::OutcomeKind kind, const absl::Status& status);
   void finish(const FramePointer& frame, FinishedFrame finished);
   void send_in_order();
   void end_with(const absl::Status& status);
@@ -99,8 +99,8 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   Credit used_;
   std::string client_name_;
   wire::ParsedRequest defaults_;  // of a frame that says nothing
-  v1alpha1::ResultOrder order_ = v1alpha1::RESULT_ORDER_ORDERED;
-  v1alpha1::WhenBehind when_behind_ = v1alpha1::WHEN_BEHIND_BLOCK;
+  v1::ResultOrder order_ = v1::RESULT_ORDER_ORDERED;
+  v1::WhenBehind when_behind_ = v1::WHEN_BEHIND_BLOCK;
   bool open_ = false, half_closed_ = false, draining_ = false;
   bool must_send_opened_ = false, must_send_draining_ = false;
   std::optional<absl::Status> end_;               // set early: by a fault, or from outside

@@ -17,18 +17,17 @@ namespace {
 using State = StreamFrame::State;
 
 /// One line for the log. What clients chose is escaped, so that it cannot forge lines.
-void log_frame(const std::string& client, const v1alpha1::FrameOutcome& outcome) {
+void log_frame(const std::string& client, const v1::FrameOutcome& outcome) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
   spdlog::debug("frame {} of '{}', id '{}': {}, {}, {} points, {} segments, total {:.1f} ms", outcome.sequence(),
-                absl::CHexEscape(client), absl::CHexEscape(outcome.request_id()),
-                v1alpha1::OutcomeKind_Name(outcome.kind()), absl::CHexEscape(outcome.status().message()),
-                outcome.result().summary().points(), outcome.result().summary().segments(),
-                outcome.result().summary().timings().total_ms());
+                absl::CHexEscape(client), absl::CHexEscape(outcome.request_id()), v1::OutcomeKind_Name(outcome.kind()),
+                absl::CHexEscape(outcome.status().message()), outcome.result().summary().points(),
+                outcome.result().summary().segments(), outcome.result().summary().timings().total_ms());
 }
 
 }  // namespace
 
-absl::Status StreamSession::begin_frame(v1alpha1::FrameHeader& header) {
+absl::Status StreamSession::begin_frame(v1::FrameHeader& header) {
   const std::uint64_t sequence = header.sequence();
   if (has_sequence_ && sequence <= last_sequence_) {
     return protocol_violation(fmt::format("frame {} comes after frame {}", sequence, last_sequence_));
@@ -46,7 +45,7 @@ absl::Status StreamSession::begin_frame(v1alpha1::FrameHeader& header) {
   upload_ = frame;
   absl::Status status = draining_ ? draining() : prepare(*frame, defaults_, settings_.defaults, settings_.limits);
   if (!status.ok()) {
-    finish(frame, v1alpha1::OUTCOME_KIND_FAILED, status);
+    finish(frame, v1::OUTCOME_KIND_FAILED, status);
     return absl::OkStatus();
   }
   frame->parsed.options.threads = std::min(frame->parsed.options.threads, settings_.max_threads);
@@ -54,7 +53,7 @@ absl::Status StreamSession::begin_frame(v1alpha1::FrameHeader& header) {
   return absl::OkStatus();
 }
 
-absl::Status StreamSession::take_credit(const v1alpha1::FrameHeader& header) {
+absl::Status StreamSession::take_credit(const v1::FrameHeader& header) {
   const Credit& all = credit_.credit();
   if (used_.frames == all.frames) {
     return protocol_violation(fmt::format("frame {} is beyond the credit of {} frames", header.sequence(), all.frames));
@@ -69,7 +68,7 @@ absl::Status StreamSession::take_credit(const v1alpha1::FrameHeader& header) {
   return absl::OkStatus();
 }
 
-absl::Status StreamSession::take_chunk(const v1alpha1::FrameChunk& chunk) {
+absl::Status StreamSession::take_chunk(const v1::FrameChunk& chunk) {
   if (!upload_ || chunk.sequence() != last_sequence_) {
     return protocol_violation(
         fmt::format("a chunk of frame {}, which is not the last that has begun", chunk.sequence()));
@@ -93,13 +92,13 @@ void StreamSession::cancel_frame(std::uint64_t sequence) {
   const auto found = frames_.find(sequence);
   if (found == frames_.end() || found->second->state == State::kDone) return;
   const FramePointer frame = found->second;
-  stop(frame, v1alpha1::OUTCOME_KIND_CANCELLED);
+  stop(frame, v1::OUTCOME_KIND_CANCELLED);
 }
 
 void StreamSession::uploaded(const FramePointer& frame) {
   absl::Status status = attach_payload(*frame);
   if (status.ok()) status = submit(frame);
-  if (!status.ok()) finish(frame, v1alpha1::OUTCOME_KIND_FAILED, status);
+  if (!status.ok()) finish(frame, v1::OUTCOME_KIND_FAILED, status);
 }
 
 absl::Status StreamSession::submit(const FramePointer& frame) {
@@ -110,17 +109,16 @@ absl::Status StreamSession::submit(const FramePointer& frame) {
         .points = std::max(frame->header.points(),
                            std::uint64_t{frame->header.cloud().width()} * frame->header.cloud().height()),
         .bytes = frame->header.encoded_bytes(),
-        .may_exceed_queue =
-            when_behind_ == v1alpha1::WHEN_BEHIND_UNSPECIFIED || when_behind_ == v1alpha1::WHEN_BEHIND_BLOCK,
+        .may_exceed_queue = when_behind_ == v1::WHEN_BEHIND_UNSPECIFIED || when_behind_ == v1::WHEN_BEHIND_BLOCK,
         .run = [self = shared_from_this(), frame](SegmenterInterface& segmenter) { self->run(frame, segmenter); }};
     absl::StatusOr<FrameExecutor::Ticket> ticket = executor_.submit(std::move(job));
     if (ticket.ok()) {
       frame->ticket = *ticket;
       return absl::OkStatus();
     }
-    if (when_behind_ != v1alpha1::WHEN_BEHIND_DROP_OLDEST) return ticket.status();
+    if (when_behind_ != v1::WHEN_BEHIND_DROP_OLDEST) return ticket.status();
     if (!drop_oldest()) {  // the frames of other streams fill the queue
-      finish(frame, v1alpha1::OUTCOME_KIND_DROPPED, absl::OkStatus());
+      finish(frame, v1::OUTCOME_KIND_DROPPED, absl::OkStatus());
       return absl::OkStatus();
     }
   }
@@ -129,14 +127,14 @@ absl::Status StreamSession::submit(const FramePointer& frame) {
 bool StreamSession::drop_oldest() {
   for (const auto& [sequence, frame] : frames_) {
     if (frame->state == State::kQueued && sequence != last_sequence_ && executor_.withdraw(frame->ticket)) {
-      finish(FramePointer(frame), v1alpha1::OUTCOME_KIND_DROPPED, absl::OkStatus());
+      finish(FramePointer(frame), v1::OUTCOME_KIND_DROPPED, absl::OkStatus());
       return true;
     }
   }
   return false;
 }
 
-void StreamSession::stop(const FramePointer& frame, v1alpha1::OutcomeKind kind) {
+void StreamSession::stop(const FramePointer& frame, v1::OutcomeKind kind) {
   const bool waits =
       frame->state == State::kUploading || (frame->state == State::kQueued && executor_.withdraw(frame->ticket));
   if (waits) {
@@ -147,7 +145,7 @@ void StreamSession::stop(const FramePointer& frame, v1alpha1::OutcomeKind kind) 
   }
 }
 
-void StreamSession::finish(const FramePointer& frame, v1alpha1::OutcomeKind kind, const absl::Status& status) {
+void StreamSession::finish(const FramePointer& frame, v1::OutcomeKind kind, const absl::Status& status) {
   finish(frame, without_result(*frame, kind, status));
 }
 
@@ -157,7 +155,7 @@ void StreamSession::finish(const FramePointer& frame, FinishedFrame finished) {
   frame->finished = std::move(finished);
   frame->header.clear_cloud();
   frame->payload = {};
-  if (order_ != v1alpha1::RESULT_ORDER_UNORDERED) {
+  if (order_ != v1::RESULT_ORDER_UNORDERED) {
     send_in_order();
   } else {
     outbox_.push(*std::move(frame->finished));
@@ -180,12 +178,12 @@ void StreamSession::run(const FramePointer& frame, SegmenterInterface& segmenter
     ++running_;
   }
   const StopToken stop(&frame->stopped, frame->expiry);
-  absl::StatusOr<v1alpha1::SegmentationResult> result = no_throw([&] {
+  absl::StatusOr<v1::SegmentationResult> result = no_throw([&] {
     return process({frame->header.cloud(), frame->parsed, frame->arrival}, settings_.limits, segmenter, stop);
   });
   const absl::Status status = result.status();
-  FinishedFrame finished = result.ok() ? with_result(*frame, *std::move(result))
-                                       : without_result(*frame, v1alpha1::OUTCOME_KIND_FAILED, status);
+  FinishedFrame finished =
+      result.ok() ? with_result(*frame, *std::move(result)) : without_result(*frame, v1::OUTCOME_KIND_FAILED, status);
   {
     const std::lock_guard lock(mutex_);
     --running_;
@@ -195,7 +193,7 @@ void StreamSession::run(const FramePointer& frame, SegmenterInterface& segmenter
     } else if (frame->stopped) {
       finish(frame, frame->why_stopped, absl::OkStatus());
     } else if (expired) {
-      finish(frame, v1alpha1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
+      finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
     } else {
       finish(frame, std::move(finished));
     }
