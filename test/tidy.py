@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs clang-tidy over our sources in a build folder (not the tests); what passed before is not looked at again.
 
-A source is looked at when it, a file it includes (ours or generated), its compiler command or .clang-tidy has
+A source is looked at when it, a file it includes (ours or generated), its compiler command or a .clang-tidy has
 changed since it last passed. What passed is remembered in $XDG_CACHE_HOME/segserve/tidy, so it holds across build folders.
 """
 
@@ -20,6 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "segserve" / "tidy"
 TIDY = "clang-tidy-16"  # 14, the default of bookworm, does not understand the ranges of its libstdc++
 PROTO_FILES = sorted((ROOT / "proto").rglob("*.proto"))
+CONFIGURATIONS = [ROOT / ".clang-tidy", *sorted((ROOT / "core").rglob(".clang-tidy"))]
 NOISE = re.compile(r"^\d+ warnings? .*generated\.$|^Suppressed |^Use -header-filter|^\d+ warnings? treated as errors?$")
 
 
@@ -50,7 +51,8 @@ def fingerprint(entry, files, tidy_version):
     if any(path.name.startswith("cmake_pch") for path in files):
         files = [path for path in files if not path.name.startswith("cmake_pch")] + PROTO_FILES
     digest = hashlib.sha256(tidy_version)
-    digest.update((ROOT / ".clang-tidy").read_bytes())
+    for configuration in CONFIGURATIONS:
+        digest.update(configuration.read_bytes())
     digest.update(entry["command"].replace(str(ROOT), "").encode())
     for path in sorted(files):
         if not path.exists():

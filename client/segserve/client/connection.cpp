@@ -35,7 +35,7 @@ Connection::Fit Connection::fit(std::uint64_t bytes) const {
   return bytes_used_ + bytes <= credit_.bytes() ? Fit::kNow : Fit::kLater;
 }
 
-void Connection::begin(std::uint64_t sequence, v1::FrameHeader header, Payload payload) {
+void Connection::begin(std::uint64_t sequence, v1::FrameHeader header, const Payload& payload) {
   upload_ = ++last_number_;
   header.set_sequence(upload_);
   *header.mutable_cloud() = payload.header();

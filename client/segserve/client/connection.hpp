@@ -37,7 +37,7 @@ class Connection {
   std::uint64_t credit_bytes() const { return credit_.bytes(); }
 
   /// The next frame. Only if has_turn() and the payload fits. The header's number, cloud, bytes and CRC are set here.
-  void begin(std::uint64_t sequence, v1::FrameHeader header, Payload payload);
+  void begin(std::uint64_t sequence, v1::FrameHeader header, const Payload& payload);
   /// Asks the server to leave the frame; its outcome comes all the same.
   void cancel(std::uint64_t sequence);
   /// No more frames: half-closes when the last upload is done.

@@ -27,8 +27,8 @@ std::atomic<Cpu>& in_use() {
 }  // namespace
 
 Cpu best_cpu() {
-  static const Cpu best = find_best_cpu();
-  return best;
+  static const Cpu kBest = find_best_cpu();
+  return kBest;
 }
 
 void use_cpu(Cpu cpu) { in_use() = cpu; }

@@ -14,8 +14,8 @@ double angle_degrees(const Vec3& a, const Vec3& b) { return math::atan2(norm(cro
 }  // namespace
 
 bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, double voxel, double seed) {
-  constexpr double kCosine10 = 0.98480775301220806, kCosine1_5 = 0.99965732497555727;  // of degrees
-  constexpr double kClear = 1e-9;                                                      // far beyond rounding errors
+  constexpr double kCosine10 = 0.98480775301220806, kCosineOneAndAHalf = 0.99965732497555727;  // of degrees
+  constexpr double kClear = 1e-9;  // far beyond rounding errors
   const Vec3 d = xi - xj;
   const Vec3 x = cross(ni, nj);
   const double sine = norm(x);
@@ -30,7 +30,7 @@ bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, doub
   if (sine < 1e-6 || length == 0) return false;
   // The limit is below 60 degrees, and below 1.5 where the angle is below 10: spares most arctangents.
   const double along_cosine = std::fabs(dot(x, d));
-  if (along_cosine < ((flat ? kCosine1_5 : 0.5) - kClear) * (sine * length)) return false;
+  if (along_cosine < ((flat ? kCosineOneAndAHalf : 0.5) - kClear) * (sine * length)) return false;
   const double along = angle_degrees(x, d);
   return std::min(along, 180 - along) < 60 / (1 + math::exp(-0.25 * (angle_degrees(ni, nj) - 25)));
 }

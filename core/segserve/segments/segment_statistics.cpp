@@ -54,7 +54,9 @@ class Grid {
 
  private:
   std::uint64_t step(float metres, double low) const {
-    return static_cast<std::uint32_t>(static_cast<std::int32_t>((double{metres} - low) * steps_per_metre_ + 0.5));
+    const double steps = (double{metres} - low) * steps_per_metre_;
+    constexpr double kHalf = 0.5;  // rounds to the nearest: steps are not negative
+    return static_cast<std::uint32_t>(static_cast<std::int32_t>(steps + kHalf));
   }
 
   Vec3 low_;

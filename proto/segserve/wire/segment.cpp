@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <string_view>
-#include <utility>
 
 #include "fmt/format.h"
 #include "segserve/wire/status.hpp"
@@ -112,7 +111,7 @@ absl::StatusOr<std::vector<SegmentStatistics>> from_message(const SegmentMessage
       return malformed(fmt::format("segment {}: points: {}, more than of the one before", label, segment.points));
     }
     points += segment.points;
-    statistics.push_back(std::move(segment));
+    statistics.push_back(segment);
   }
   const std::uint64_t left = segments - count;  // at least a point each, if they are not described
   if (points + left > segmented_points || (left == 0 && points != segmented_points)) {

@@ -24,14 +24,13 @@ SEGSERVE_INLINE Real dot_product(const Direction& a, const Direction& b) { retur
 /// The characteristic polynomial t^3 - t^2 + c1 t - c0 of matrices of trace 1, and where its smallest root is known to
 /// be not below.
 struct Cubic {
-  Real c1, c0, t;
+  Real c1, c0, t = {};
   RealMask moving;
 
   SEGSERVE_INLINE Cubic(const Matrix& a, RealMask defined)
       : c1((a.xx * a.yy - a.xy * a.xy) + (a.xx * a.zz - a.xz * a.xz) + (a.yy * a.zz - a.yz * a.yz)),
         c0(a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.xz) +
            a.xz * (a.xy * a.yz - a.yy * a.xz)),
-        t{},
         moving(defined) {}
 
   /// A step of Newton's, in the lanes that have not arrived.

@@ -33,7 +33,8 @@ struct Neighborhood {
     start.w = -1;
     const Real4 origin = load<Real4>(&start.x);
     const Quad& n = input.normal[task.voxel];
-    for (std::size_t i = 0; i < count; i += kReals) {
+    std::size_t i = 0;
+    for (; i < count; i += kReals) {
       Real4 offsets[kReals], normals[kReals];
 #pragma GCC unroll 4
       for (std::size_t k = 0; k < kReals; ++k) {
@@ -53,7 +54,8 @@ struct Neighborhood {
       const Real bounded = exponent > 80.0 ? 80.0 - Real{} : exponent;
       store(__builtin_convertvector(-bounded, HalfFloat), weight + i);
     }
-    for (std::size_t i = 0; i < count; i += kFloats) store(exponential(load<Float>(weight + i)), weight + i);
+    for (; i % kFloats != 0; ++i) weight[i] = 0;
+    for (i = 0; i < count; i += kFloats) store(exponential(load<Float>(weight + i)), weight + i);
   }
 
   SEGSERVE_INLINE void add_to(MomentLanes& total, std::size_t count) const {
