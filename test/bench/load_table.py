@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a server on this machine carries: tables for LOAD.md, measured by segctl bench against a server of its own.
+"""What a server on this machine carries: tables for BENCHMARK.md, measured by segctl bench against a server of its own.
 
     test/bench/load_table.py [--build build/release] [--seconds 10] [FILES ..]
 

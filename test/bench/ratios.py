@@ -46,7 +46,7 @@ def fastest(repetitions):
 def tables(best):
     """The same as plain numbers, ms."""
     rows = []
-    for frame, runs in best.items():
+    for frame, runs in sorted(best.items()):
         for ours, peer in PEER_OF.items():
             if ours not in runs or peer not in runs:
                 continue
