@@ -47,7 +47,7 @@ void measure_overhead(int count) {
   Options options;
   options.method = Method::kLambdaConvex;
   auto stream = client.open_stream({.options = options, .outputs = {.labels = true}}).value();
-  const Cloud& cloud = frame_named("synthetic-full").cloud;
+  const auto cloud = std::make_shared<const Cloud>(frame_named("synthetic-full").cloud);
   std::vector<double> calls, overheads, waits, decodes, encodes, client_decodes;
   for (int i = -5; i < count; ++i) {  // the first ones warm up
     const Clock::time_point begin = Clock::now();
@@ -64,7 +64,7 @@ void measure_overhead(int count) {
     client_decodes.push_back(outcome->report.decode_ms);
   }
   fmt::print("one raw frame of {} points at a time: call {:.1f} ms, of which beyond the segmentation {:.1f} ms\n",
-             cloud.size(), median(calls), median(overheads));
+             cloud->size(), median(calls), median(overheads));
   const double known = median(waits) + median(decodes) + median(encodes) + median(client_decodes);
   fmt::print(
       "  of which: client's encoding {:.1f}, server's decoding {:.1f} and encoding {:.1f}, client's decoding {:.1f}, "

@@ -72,7 +72,8 @@ TEST_F(ClientTest, EachCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
     if (codec.kind == v1::PAYLOAD_KIND_DRACO) continue;  // not enabled in this server
     SCOPED_TRACE(codec.name);
     const wire::CodecOptions options{.codec = codec.codec, .error_bound = 0.0005};
-    const auto decoded = wire::decode_cloud(wire::to_message(cloud, options).value(), {});
+    const v1::Cloud message = wire::to_message(cloud, options).value();
+    const auto decoded = wire::decode_cloud(message, {});
     ASSERT_TRUE(decoded.ok()) << decoded.status();
     const auto local = segment(decoded->cloud, {});
     ASSERT_TRUE(local.ok()) << local.status();

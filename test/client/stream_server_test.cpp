@@ -66,6 +66,27 @@ TEST(StreamAndServer, EveryFrameGivesWhatTheCoreGives) {
   }
 }
 
+TEST(StreamAndServer, ASharedCloudIsSentFromWhereItIsAndGivenBack) {
+  const auto server = start_server();
+  for (const wire::Codec codec : {wire::Codec::kPlanar, wire::Codec::kStridedZstd}) {
+    auto cloud = std::make_shared<const Cloud>(table_scene());
+    const auto local = segment(*cloud, {});
+    ASSERT_TRUE(local.ok());
+    auto stream = client_of({server.get()}).open_stream({.codec = {.codec = codec}});
+    ASSERT_TRUE(stream.ok()) << stream.status();
+    for (int round = 0; round < 2; ++round) {
+      ASSERT_TRUE(stream->send(cloud).ok());
+      const auto outcome = stream->next();
+      ASSERT_EQ(outcome->kind, OutcomeKind::kResult) << outcome->status;
+      EXPECT_EQ(outcome->result->segmentation.labels, local->labels);
+      EXPECT_EQ(cloud.use_count(), 1) << "nobody holds it after its outcome";
+    }
+    auto wrong = std::make_shared<Cloud>(*cloud);
+    wrong->y.pop_back();
+    EXPECT_TRUE(absl::IsInvalidArgument(stream->send(std::shared_ptr<const Cloud>(wrong)).status()));
+  }
+}
+
 TEST(StreamAndServer, WhenOneOfTwoStopsNoFrameIsLost) {
   server::ServerOptions brief;
   brief.drain_delay = milliseconds(0);

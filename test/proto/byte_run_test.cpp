@@ -22,6 +22,15 @@ TEST(ByteRun, TakesTheBlocks) {
   EXPECT_EQ(run.crc32(), crc32(0, "abcdefg"));
 }
 
+TEST(ByteRun, LeavesSharedBytesWhereTheyAre) {
+  const auto owner = std::make_shared<const std::string>("abcdefg");
+  const ByteRun run({std::string_view(*owner).substr(0, 5), std::string_view(*owner).substr(5)}, owner);
+  EXPECT_EQ(run.blocks()[0].data(), owner->data());
+  EXPECT_EQ(run.size(), 7U);
+  EXPECT_EQ(run.crc32(), crc32(0, "abcdefg"));
+  EXPECT_EQ(owner.use_count(), 2);
+}
+
 TEST(OutgoingBytes, GiveARunAwayInOrderAsOftenAsWanted) {
   std::string a, b = "abcde", c, d = "fg";
   const auto run = std::make_shared<const ByteRun>(std::array<std::string*, 4>{&a, &b, &c, &d});

@@ -1,12 +1,17 @@
 #include "segserve/wire/cloud.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gmock/gmock.h"
 #include "segserve/codec/pcd.hpp"
+#include "segserve/wire/payload_blocks.hpp"
 #include "segserve/wire/status.hpp"
 #include "test/proto/examples.hpp"
 
@@ -17,13 +22,13 @@ using testing::HasSubstr;
 
 constexpr codec::DecodeLimits kLimits{.max_points = 100, .max_bytes = 10'000};
 
-bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
+bool same_bits(std::span<const float> a, std::span<const float> b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
 }
 
-void expect_same(const Cloud& a, const Cloud& b) {
+void expect_same(const CloudView& a, const CloudView& b) {
   EXPECT_TRUE(same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z));
-  EXPECT_EQ(a.rgb, b.rgb);
+  EXPECT_TRUE(std::ranges::equal(a.rgb, b.rgb));
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
   EXPECT_EQ(a.view, b.view);
@@ -43,11 +48,44 @@ ErrorReason reason_of(const v1::Cloud& message, const codec::DecodeLimits& limit
 
 TEST(WireCloud, PlanarKeepsEveryBit) {
   for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
-    const auto decoded = decode_cloud(to_planar_message(small_cloud(), compression).value(), kLimits);
+    const v1::Cloud message = to_planar_message(small_cloud(), compression).value();
+    const auto decoded = decode_cloud(message, kLimits);
     ASSERT_TRUE(decoded.ok()) << decoded.status();
     expect_same(decoded->cloud, small_cloud());
     EXPECT_THAT(decoded->view_rule, HasSubstr("CAMERA"));
   }
+}
+
+TEST(WireCloud, RawCoordinatesStayInTheMessage) {
+  const v1::Cloud message = planar();
+  const auto decoded = decode_cloud(message, kLimits);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(static_cast<const void*>(decoded->cloud->z.data()),
+            static_cast<const void*>(message.planar().z().data().data()));
+}
+
+TEST(WireCloud, SharedPlanarIsThePlanarMessage) {
+  for (const bool color : {false, true}) {
+    Cloud cloud = small_cloud();
+    if (!color) cloud.rgb.clear();
+    const auto shared = std::make_shared<const Cloud>(cloud);
+    const OutgoingCloud out = share_planar(shared);
+    EXPECT_EQ(static_cast<const void*>(out.bytes->blocks()[0].data()), static_cast<const void*>(shared->x.data()));
+    v1::Cloud message = out.message;
+    const std::vector<std::string*> data = payload_blocks(message);
+    ASSERT_EQ(data.size(), out.bytes->blocks().size());
+    for (std::size_t i = 0; i < data.size(); ++i) *data[i] = out.bytes->blocks()[i];
+    EXPECT_EQ(message.SerializeAsString(), to_planar_message(cloud, v1::COMPRESSION_NONE).value().SerializeAsString());
+  }
+}
+
+TEST(WireCloud, BytesThatAreSentKeepTheirCloud) {
+  auto cloud = std::make_shared<const Cloud>(small_cloud());
+  const std::weak_ptr<const Cloud> watched = cloud;
+  std::optional<OutgoingCloud> out = share_planar(std::move(cloud));
+  EXPECT_FALSE(watched.expired());
+  out.reset();
+  EXPECT_TRUE(watched.expired());
 }
 
 TEST(WireCloud, PlanarWithoutColourAndWithASensor) {
@@ -63,13 +101,15 @@ TEST(WireCloud, PlanarWithoutColourAndWithASensor) {
 
 TEST(WireCloud, PcdFileTakesItsViewFromTheFileUnlessTold) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinaryCompressed);
-  const auto by_file = decode_cloud(to_pcd_message(file, std::nullopt), kLimits);
+  const v1::Cloud plain = to_pcd_message(file, std::nullopt);
+  const auto by_file = decode_cloud(plain, kLimits);
   ASSERT_TRUE(by_file.ok()) << by_file.status();
   expect_same(by_file->cloud, small_cloud());
 
-  const auto by_request = decode_cloud(to_pcd_message(file, View::world(0, 0, 5)), kLimits);
+  const v1::Cloud told = to_pcd_message(file, View::world(0, 0, 5));
+  const auto by_request = decode_cloud(told, kLimits);
   ASSERT_TRUE(by_request.ok()) << by_request.status();
-  EXPECT_EQ(by_request->cloud.view, View::world(0, 0, 5));
+  EXPECT_EQ(by_request->cloud->view, View::world(0, 0, 5));
   EXPECT_NE(by_request->view_rule, by_file->view_rule);
 }
 
@@ -117,14 +157,15 @@ TEST(WireCloud, ShapeWhoseProductOverflowsIsOverTheLimit) {
 }
 
 TEST(WireCloud, LimitsAreNamedWithTheirValues) {
-  const absl::Status points = decode_cloud(planar(), {.max_points = 5, .max_bytes = 10'000}).status();
+  const v1::Cloud message = planar();
+  const absl::Status points = decode_cloud(message, {.max_points = 5, .max_bytes = 10'000}).status();
   EXPECT_EQ(points.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_THAT(details_of(points).metadata,
               testing::UnorderedElementsAre(testing::Pair("limit", "max_points"), testing::Pair("allowed", "5"),
                                             testing::Pair("actual", "6")));
-  const absl::Status bytes = decode_cloud(planar(), {.max_points = 6, .max_bytes = 6 * 15 - 1}).status();
+  const absl::Status bytes = decode_cloud(message, {.max_points = 6, .max_bytes = 6 * 15 - 1}).status();
   EXPECT_THAT(details_of(bytes).metadata, testing::Contains(testing::Pair("limit", "max_decoded_bytes")));
-  EXPECT_TRUE(decode_cloud(planar(), {.max_points = 6, .max_bytes = 6 * 15}).ok());
+  EXPECT_TRUE(decode_cloud(message, {.max_points = 6, .max_bytes = 6 * 15}).ok());
 }
 
 TEST(WireCloud, PcdOverTheLimitOfPointsIsSaidToBe) {

@@ -65,8 +65,8 @@ TEST(Segment, EveryCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
     SCOPED_TRACE(codec.name);
     v1::SegmentRequest request;
     *request.mutable_cloud() = wire::to_message(cloud, {.codec = codec.codec}).value();
-    const Cloud decoded = wire::decode_cloud(request.cloud(), {.draco = true}).value().cloud;
-    const Segmentation local = segment(decoded, {}).value();
+    const wire::DecodedCloud decoded = wire::decode_cloud(request.cloud(), {.draco = true}).value();
+    const Segmentation local = segment(decoded.cloud, {}).value();
     ASSERT_GE(local.segments, 2U);
     const wire::Result result = ask(server, request, cloud.size());
     expect_equal(result.segmentation, local);
@@ -113,9 +113,9 @@ TEST(Segment, DescribesTheSegmentsOfWhatItDecoded) {
   for (const wire::Codec codec : {wire::Codec::kPlanar, wire::Codec::kQuantised}) {
     v1::SegmentRequest request;
     *request.mutable_cloud() = wire::to_message(cloud, {.codec = codec}).value();
-    const Cloud decoded = wire::decode_cloud(request.cloud(), {}).value().cloud;
-    Segmentation local = segment(decoded, {}).value();
-    ASSERT_TRUE(describe(decoded, 1, {}, local).ok());
+    const wire::DecodedCloud decoded = wire::decode_cloud(request.cloud(), {}).value();
+    Segmentation local = segment(decoded.cloud, {}).value();
+    ASSERT_TRUE(describe(decoded.cloud, 1, {}, local).ok());
     ASSERT_GE(local.statistics.size(), 2U);
     const wire::Result result = ask(server, request, cloud.size());
     EXPECT_EQ(result.segmentation.statistics, local.statistics);

@@ -174,7 +174,7 @@ void Robot::record(const client::Outcome& outcome, const Sent& sent) {
                      .since_sent_ms = milliseconds(now - sent.actual),
                      .client_encode_ms = sent.encode_ms,
                      .late_ms = milliseconds(sent.actual - sent.intended),
-                     .points = setup_.source.clouds[sent.frame].size()};
+                     .points = setup_.source.clouds[sent.frame]->size()};
   if (setup_.options.verify && outcome.result) {
     ++report_.verified;
     record.mismatch = outcome.result->segmentation.labels != frames_[sent.frame].labels;
@@ -183,7 +183,8 @@ void Robot::record(const client::Outcome& outcome, const Sent& sent) {
 }
 
 /// Encodes a frame once, and segments it here, as far as that is asked for.
-absl::StatusOr<Setup::Frame> prepare(const LoadOptions& options, const Encoding& encoding, const Cloud& cloud) {
+absl::StatusOr<Setup::Frame> prepare(const LoadOptions& options, const Encoding& encoding,
+                                     const std::shared_ptr<const Cloud>& cloud) {
   Setup::Frame frame;
   auto payload = encoding.encode(cloud);  // in any case: what cannot be encoded is found before the run
   if (!payload.ok()) return payload.status();
@@ -200,7 +201,7 @@ absl::StatusOr<Setup::Frame> prepare(const LoadOptions& options, const Encoding&
 absl::Status prepare(const LoadOptions& options, Setup& setup) {
   for (std::size_t i = 0; i < std::min(setup.source.encodings.size(), options.clients); ++i) {
     auto& frames = setup.frames.emplace_back();
-    for (const Cloud& cloud : setup.source.clouds) {
+    for (const std::shared_ptr<const Cloud>& cloud : setup.source.clouds) {
       auto frame = prepare(options, setup.source.encodings[i], cloud);
       if (!frame.ok()) return frame.status();
       frames.push_back(*std::move(frame));

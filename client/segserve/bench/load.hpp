@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -17,14 +18,14 @@ namespace segserve::bench {
 struct Encoding {
   std::string name;  ///< for people
   /// Any codec, to be called by several threads at once.
-  std::function<absl::StatusOr<client::Payload>(const CloudView&)> encode;
+  std::function<absl::StatusOr<client::Payload>(std::shared_ptr<const Cloud>)> encode;
   v1::Compression of_answer = v1::COMPRESSION_NONE;  ///< what arrays of the results may have
 };
 
 /// How frames are made. Neither list may be empty.
 struct FrameSource {
-  std::vector<Cloud> clouds;        ///< sent in turn, again and again
-  std::vector<Encoding> encodings;  ///< client i uses the one of i modulo their number
+  std::vector<std::shared_ptr<const Cloud>> clouds;  ///< sent in turn, again and again
+  std::vector<Encoding> encodings;                   ///< client i uses the one of i modulo their number
 };
 
 struct LoadOptions {

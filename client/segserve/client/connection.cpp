@@ -82,7 +82,10 @@ std::optional<Connection::Sent> Connection::next(v1::SegmentStreamRequest& messa
   const std::string_view bytes = payload_.next(chunk_bytes_);
   chunk.set_data(bytes.data(), bytes.size());
   const bool complete = payload_.done();
-  if (complete) upload_ = 0;
+  if (complete) {
+    upload_ = 0;
+    payload_ = {};  // which may hold a cloud that the application wants back
+  }
   return Sent{sequence, complete};
 }
 

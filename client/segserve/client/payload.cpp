@@ -9,14 +9,26 @@
 
 namespace segserve::client {
 
-Payload::Payload(v1::Cloud message, std::uint64_t points, std::uint64_t decoded_bytes) {
-  auto data = std::make_shared<Data>();
-  data->run = std::make_shared<const wire::ByteRun>(wire::payload_blocks(message));
-  data->header = std::move(message);
-  data->points = points;
-  data->decoded_bytes = decoded_bytes;
-  data_ = std::move(data);
+namespace {
+
+wire::OutgoingCloud without_bytes(v1::Cloud message) {
+  auto bytes = std::make_shared<const wire::ByteRun>(wire::payload_blocks(message));
+  return {std::move(message), std::move(bytes)};
 }
+
+std::uint64_t decoded_bytes(const CloudView& cloud) {
+  return cloud.size() * (3 * sizeof(float) + (cloud.has_color() ? 3 : 0));
+}
+
+}  // namespace
+
+Payload::Payload(wire::OutgoingCloud cloud, std::uint64_t points, std::uint64_t decoded_bytes)
+    : data_(
+          std::make_shared<const Data>(Data{std::move(cloud.message), std::move(cloud.bytes), points, decoded_bytes})) {
+}
+
+Payload::Payload(v1::Cloud message, std::uint64_t points, std::uint64_t decoded_bytes)
+    : Payload(without_bytes(std::move(message)), points, decoded_bytes) {}
 
 v1::Cloud Payload::message() const {
   v1::Cloud message = header();
@@ -29,8 +41,14 @@ absl::StatusOr<Payload> cloud_payload(const CloudView& cloud, const wire::CodecO
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   auto message = wire::to_message(cloud, codec);
   if (!message.ok()) return message.status();
-  const std::uint64_t point_bytes = 3 * sizeof(float) + (cloud.has_color() ? 3 : 0);
-  return Payload(*std::move(message), cloud.size(), cloud.size() * point_bytes);
+  return Payload(*std::move(message), cloud.size(), decoded_bytes(cloud));
+}
+
+absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const wire::CodecOptions& codec) {
+  if (codec.codec != wire::Codec::kPlanar) return cloud_payload(CloudView(*cloud), codec);
+  if (absl::Status status = check_shape(*cloud); !status.ok()) return status;
+  const std::uint64_t points = cloud->size(), bytes = decoded_bytes(*cloud);
+  return Payload(wire::share_planar(std::move(cloud)), points, bytes);
 }
 
 Payload pcd_payload(std::string file_bytes, std::optional<View> view) {
@@ -44,9 +62,10 @@ Payload rgbd_payload(codec::RgbdFiles images) {
 }
 
 absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload, const StopToken& stop) {
-  auto decoded = wire::decode_cloud(payload.message(), {.draco = true}, stop);
+  const v1::Cloud message = payload.message();
+  auto decoded = wire::decode_cloud(message, {.draco = true}, stop);
   if (!decoded.ok()) return decoded.status();
-  return codec::LabelledCloud{std::move(decoded->cloud), {}, std::move(decoded->view_rule)};
+  return codec::LabelledCloud{std::move(decoded->cloud).to_cloud(), {}, std::move(decoded->view_rule)};
 }
 
 }  // namespace segserve::client

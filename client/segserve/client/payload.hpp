@@ -12,6 +12,7 @@
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/v1/cloud.pb.h"
 #include "segserve/wire/byte_run.hpp"
+#include "segserve/wire/cloud.hpp"
 #include "segserve/wire/codec.hpp"
 
 namespace segserve::client {
@@ -22,6 +23,7 @@ class Payload {
   Payload() = default;
   /// Takes the bytes out of the message. `points` and `decoded_bytes` as in v1.FrameHeader; 0: not known.
   explicit Payload(v1::Cloud message, std::uint64_t points = 0, std::uint64_t decoded_bytes = 0);
+  explicit Payload(wire::OutgoingCloud cloud, std::uint64_t points, std::uint64_t decoded_bytes);
 
   /// The message without the bytes of its blocks.
   const v1::Cloud& header() const { return data_->header; }
@@ -47,6 +49,10 @@ class Payload {
 /// The cloud in its own view; by default as planar raw. INVALID_ARGUMENT if its planes do not fit each other, or the
 /// codec cannot encode it.
 absl::StatusOr<Payload> cloud_payload(const CloudView& cloud, const wire::CodecOptions& codec = {});
+
+/// The same; by the codec `planar` without a copy: the coordinates are sent from where they are, and must not change as
+/// long as the payload is in use.
+absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const wire::CodecOptions& codec = {});
 
 /// A PCD file as it is. The view, if given, overrides the file's.
 Payload pcd_payload(std::string file_bytes, std::optional<View> view = std::nullopt);

@@ -60,9 +60,17 @@ Stream& Stream::operator=(Stream&& other) noexcept {
 
 absl::StatusOr<std::uint64_t> Stream::send(const CloudView& cloud, FrameOptions options) {
   if (!options.captured) options.captured = Clock::now();
-  auto payload = cloud_payload(cloud, codec_);
+  return send_made(cloud_payload(cloud, codec_), std::move(options));
+}
+
+absl::StatusOr<std::uint64_t> Stream::send(std::shared_ptr<const Cloud> cloud, FrameOptions options) {
+  if (!options.captured) options.captured = Clock::now();
+  return send_made(cloud_payload(std::move(cloud), codec_), std::move(options));
+}
+
+absl::StatusOr<std::uint64_t> Stream::send_made(absl::StatusOr<Payload> payload, FrameOptions options) {
   if (!payload.ok()) return payload.status();
-  return send(*std::move(payload), std::move(options));
+  return driver_->send(*std::move(payload), std::move(options));
 }
 
 absl::StatusOr<std::uint64_t> Stream::send(Payload payload, FrameOptions options) {

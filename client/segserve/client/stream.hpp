@@ -38,6 +38,9 @@ class Stream {
   /// finish(), or the error for which no server will ever take a frame of this stream.
   absl::StatusOr<std::uint64_t> send(const CloudView& cloud, FrameOptions options = {});
   absl::StatusOr<std::uint64_t> send(Payload payload, FrameOptions options = {});
+  /// The same for a cloud that must not change before its outcome has come: the codec `planar` then sends it from where
+  /// it is, without a copy (1 ms of a frame of 640 x 480).
+  absl::StatusOr<std::uint64_t> send(std::shared_ptr<const Cloud> cloud, FrameOptions options = {});
 
   /// The next outcome. Nothing when `timeout` is over, or when finish() was called and every outcome was taken.
   std::optional<Outcome> next(std::optional<std::chrono::milliseconds> timeout = std::nullopt);
@@ -51,6 +54,8 @@ class Stream {
   bool done() const;
 
  private:
+  absl::StatusOr<std::uint64_t> send_made(absl::StatusOr<Payload> payload, FrameOptions options);
+
   std::shared_ptr<StreamDriver> driver_;
   wire::CodecOptions codec_;
 };

@@ -41,8 +41,8 @@ before. Latency counts from that intended time to the decoded result, so that a 
 does not hide the frames it held up; "since sent" counts from the actual hand-over.
 
 Objectives are METRIC<NUMBER, also <=, >, >=; metrics: p50, p90, p99, p99.9, mean, max (with unit us,
-ms or s), fps, mpoints (million points a second), errors (share of the frames, with %), least-share (the results of the client with the fewest, of the
-mean, with %).
+ms or s), fps, mpoints (million points a second), errors (share of the frames, with %), least-share
+(the results of the client with the fewest, as a share of the clients' mean, with %).
 
 Exit codes: 0 done, all objectives met; 1 an objective missed, a label array that differs (--verify),
 or no server; 2 bad input or usage.)";
@@ -127,8 +127,10 @@ void add_flags(CLI::App& app, Arguments& a) {
   a.options.add_to(app);
 }
 
-absl::StatusOr<std::vector<Cloud>> load_files(const std::vector<std::string>& paths) {
-  std::vector<Cloud> clouds;
+using SharedClouds = std::vector<std::shared_ptr<const Cloud>>;
+
+absl::StatusOr<SharedClouds> load_files(const std::vector<std::string>& paths) {
+  SharedClouds clouds;
   for (const std::string& path : paths) {
     const auto bytes = read_input(path);
     if (!bytes.ok()) return bytes.status();
@@ -137,24 +139,24 @@ absl::StatusOr<std::vector<Cloud>> load_files(const std::vector<std::string>& pa
       return absl::Status(scene.status().code(),
                           fmt::format("{}: {}", input_name(path), std::string(scene.status().message())));
     }
-    clouds.push_back(std::move(scene->cloud));
+    clouds.push_back(std::make_shared<const Cloud>(std::move(scene->cloud)));
   }
   return clouds;
 }
 
-absl::StatusOr<std::vector<Cloud>> make_scenes(const Arguments& arguments) {
+absl::StatusOr<SharedClouds> make_scenes(const Arguments& arguments) {
   synth::SceneOptions options;
   int end = 0;
   const bool parsed = std::sscanf(arguments.size.c_str(), "%5ux%5u%n", &options.width, &options.height, &end) == 2;
   if (!parsed || static_cast<std::size_t>(end) != arguments.size.size()) {
     return absl::InvalidArgumentError(fmt::format("--size {}: must be WIDTHxHEIGHT, e.g. 640x480", arguments.size));
   }
-  std::vector<Cloud> clouds;
+  SharedClouds clouds;
   for (std::size_t i = 0; i < arguments.scenes; ++i) {
     options.seed = arguments.seed + i;
     auto scene = synth::make_tabletop(options);
     if (!scene.ok()) return scene.status();
-    clouds.push_back(std::move(scene->cloud));
+    clouds.push_back(std::make_shared<const Cloud>(std::move(scene->cloud)));
   }
   return clouds;
 }
@@ -204,9 +206,10 @@ absl::StatusOr<bench::FrameSource> frame_source(const Arguments& arguments) {
   if (!codecs.ok()) return codecs.status();
   bench::FrameSource source{*std::move(clouds), {}};
   for (const wire::CodecOptions& options : *codecs) {
-    source.encodings.push_back({std::string(wire::info(options.codec).name),
-                                [options](const CloudView& cloud) { return client::cloud_payload(cloud, options); },
-                                answer_compression(options)});
+    source.encodings.push_back(
+        {std::string(wire::info(options.codec).name),
+         [options](std::shared_ptr<const Cloud> cloud) { return client::cloud_payload(std::move(cloud), options); },
+         answer_compression(options)});
   }
   return source;
 }

@@ -11,6 +11,24 @@ void Cloud::resize(std::size_t points, bool color) {
   rgb.resize(color ? points : 0);
 }
 
+BorrowingCloud::BorrowingCloud(Cloud owned, const CloudView& borrowed) : owned_(std::move(owned)), all_(owned_) {
+  if (owned_.x.empty()) all_.x = borrowed.x;
+  if (owned_.y.empty()) all_.y = borrowed.y;
+  if (owned_.z.empty()) all_.z = borrowed.z;
+  if (owned_.rgb.empty()) all_.rgb = borrowed.rgb;
+}
+
+Cloud BorrowingCloud::to_cloud() && {
+  const auto own = [](auto& plane, const auto& all) {
+    if (plane.empty()) plane.assign(all.begin(), all.end());
+  };
+  own(owned_.x, all_.x);
+  own(owned_.y, all_.y);
+  own(owned_.z, all_.z);
+  own(owned_.rgb, all_.rgb);
+  return std::move(owned_);
+}
+
 absl::Status check_shape(const CloudView& cloud) {
   const std::size_t n = cloud.size();
   if (n == 0) return absl::InvalidArgumentError("the cloud is empty: it has no points");

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -69,6 +70,30 @@ struct Cloud {
   bool has_color() const { return !rgb.empty(); }
   void resize(std::size_t points, bool color);
   operator CloudView() const { return {x, y, z, rgb, width, height, view}; }  // NOLINT(google-explicit-constructor)
+};
+
+/// A cloud that owns some of its planes; the others lie in memory of somebody else, which must outlive it.
+class BorrowingCloud {
+ public:
+  /// All of it is owned.
+  BorrowingCloud(Cloud cloud) : owned_(std::move(cloud)), all_(owned_) {}  // NOLINT(google-explicit-constructor)
+  /// Planes that are empty in `owned` are those of `borrowed`; the rest is as in `owned`.
+  BorrowingCloud(Cloud owned, const CloudView& borrowed);
+  // The view stays valid when the planes move, but not when they are copied.
+  BorrowingCloud(BorrowingCloud&&) noexcept = default;
+  BorrowingCloud& operator=(BorrowingCloud&&) noexcept = default;
+  BorrowingCloud(const BorrowingCloud&) = delete;
+  BorrowingCloud& operator=(const BorrowingCloud&) = delete;
+  ~BorrowingCloud() = default;
+
+  operator const CloudView&() const { return all_; }  // NOLINT(google-explicit-constructor)
+  const CloudView* operator->() const { return &all_; }
+  /// With all planes in its own memory.
+  Cloud to_cloud() &&;
+
+ private:
+  Cloud owned_;
+  CloudView all_;
 };
 
 /// More points than this do not fit the 32-bit indices used everywhere.

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "segserve/codec/scalar.hpp"
+#include "segserve/math/generate.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -23,12 +24,10 @@ std::string narrow(std::span<const std::uint32_t> values) {
 
 template <typename T>
 std::vector<std::uint32_t> widen(std::string_view bytes) {
-  std::vector<std::uint32_t> values(bytes.size() / sizeof(T));
+  std::vector<std::uint32_t> values;
   const auto* in = reinterpret_cast<const std::byte*>(bytes.data());
-  for (std::uint32_t& value : values) {
-    value = load<T>(in);
-    in += sizeof(T);
-  }
+  math::append_generated(values, 0, bytes.size() / sizeof(T),
+                         [in](std::size_t i) { return std::uint32_t{load<T>(in + i * sizeof(T))}; });
   return values;
 }
 

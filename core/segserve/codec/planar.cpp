@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
 #include "segserve/codec/scalar.hpp"
+#include "segserve/math/generate.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -33,49 +35,95 @@ absl::Status check_planes(const PlanarBytes& planes, std::uint64_t points, const
   return planes.rgb.empty() ? absl::OkStatus() : check_plane("rgb", planes.rgb, points, 3);
 }
 
-/// Written once: resize would fill the vector with zeros before (0.6 ms of a full frame).
-std::vector<float> read_floats(std::string_view bytes) {
-  const auto* floats = reinterpret_cast<const float*>(bytes.data());
-  return {floats, floats + bytes.size() / sizeof(float)};  // a memmove, for which they need not be aligned
+std::string_view bytes_of(std::span<const float> values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
 }
 
-std::string write_floats(std::span<const float> values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size_bytes()};
+/// The floats where they are, or copied to `aligned`.
+std::span<const float> floats_of(std::string_view bytes, std::vector<float>& aligned) {
+  const auto* floats = reinterpret_cast<const float*>(bytes.data());
+  const std::size_t count = bytes.size() / sizeof(float);
+  if (count == 0 || reinterpret_cast<std::uintptr_t>(floats) % alignof(float) == 0) return {floats, count};
+  aligned.resize(count);
+  std::memcpy(aligned.data(), bytes.data(), bytes.size());
+  return aligned;
+}
+
+constexpr std::uint32_t reversed(std::uint32_t v) { return __builtin_bswap32(v); }
+
+/// Points of colour that may be read four bytes at once: not the last, behind which there may be no byte.
+constexpr std::size_t readable_as_words(std::size_t points) { return points == 0 ? 0 : points - 1; }
+
+std::uint32_t read_color(const char* bytes) {
+  const auto* channels = reinterpret_cast<const std::uint8_t*>(bytes);
+  return pack_rgb(channels[0], channels[1], channels[2]);
+}
+
+/// Three bytes a point become a word, read as one word each: 0.4 -> 0.1 ms a frame.
+std::vector<std::uint32_t> read_colors(std::string_view bytes, StopCheck& check) {
+  const std::size_t points = bytes.size() / 3;
+  std::vector<std::uint32_t> rgb;
+  rgb.reserve(points);
+  check.for_each_block(0, points, [&](std::size_t first, std::size_t last) {
+    math::append_generated(rgb, first, std::min(last, readable_as_words(points)),
+                           [bytes = bytes.data()](std::size_t i) {
+                             std::uint32_t word = 0;
+                             std::memcpy(&word, bytes + 3 * i, sizeof word);
+                             return reversed(word) >> 8U;
+                           });
+    if (last == points) rgb.push_back(read_color(bytes.data() + 3 * (points - 1)));
+  });
+  return rgb;
+}
+
+/// The reverse.
+std::string write_colors(std::span<const std::uint32_t> rgb) {
+  std::string bytes(3 * rgb.size(), '\0');
+  char* out = bytes.data();
+  for (const std::uint32_t color : rgb.first(readable_as_words(rgb.size()))) {
+    const std::uint32_t word = reversed(color << 8U);
+    std::memcpy(out, &word, sizeof word);
+    out += 3;
+  }
+  if (rgb.empty()) return bytes;
+  *out++ = static_cast<char>(red(rgb.back()));
+  *out++ = static_cast<char>(green(rgb.back()));
+  *out = static_cast<char>(blue(rgb.back()));
+  return bytes;
 }
 
 }  // namespace
 
-absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
-                                    const View& view, const DecodeLimits& limits, const StopToken& stop) {
+absl::StatusOr<BorrowingCloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
+                                             const View& view, const DecodeLimits& limits, const StopToken& stop) {
   const std::uint64_t points = std::uint64_t{width} * height;
   if (auto status = check_planes(planes, points, limits); !status.ok()) return status;
-  Cloud cloud;
-  cloud.width = width;
-  cloud.height = height;
-  cloud.view = view;
-  cloud.x = read_floats(planes.x);
-  cloud.y = read_floats(planes.y);
-  cloud.z = read_floats(planes.z);
-  cloud.rgb.resize(planes.rgb.empty() ? 0 : static_cast<std::size_t>(points));
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(planes.rgb.data());
+  Cloud own;
+  own.width = width;
+  own.height = height;
+  own.view = view;
+  CloudView borrowed;
+  borrowed.x = floats_of(planes.x, own.x);
+  borrowed.y = floats_of(planes.y, own.y);
+  borrowed.z = floats_of(planes.z, own.z);
   StopCheck check(stop);
-  check.for_each(0, cloud.rgb.size(), [bytes, rgb = cloud.rgb.data()](std::size_t i) {
-    rgb[i] = pack_rgb(bytes[3 * i], bytes[3 * i + 1], bytes[3 * i + 2]);
-  });
+  own.rgb = read_colors(planes.rgb, check);
   if (auto status = stop.check(); !status.ok()) return status;
-  return cloud;
+  return BorrowingCloud(std::move(own), borrowed);
 }
 
 PlanarPlanes encode_planar(const CloudView& cloud) {
-  PlanarPlanes planes{write_floats(cloud.x), write_floats(cloud.y), write_floats(cloud.z), {}};
-  planes.rgb.resize(3 * cloud.rgb.size());
-  char* bytes = planes.rgb.data();
-  for (const std::uint32_t rgb : cloud.rgb) {
-    *bytes++ = static_cast<char>(red(rgb));
-    *bytes++ = static_cast<char>(green(rgb));
-    *bytes++ = static_cast<char>(blue(rgb));
-  }
+  PlanarPlanes planes;
+  const PlanarBytes in_place = encode_planar_in_place(cloud, planes.rgb);
+  planes.x = in_place.x;
+  planes.y = in_place.y;
+  planes.z = in_place.z;
   return planes;
+}
+
+PlanarBytes encode_planar_in_place(const CloudView& cloud, std::string& rgb) {
+  rgb = write_colors(cloud.rgb);
+  return {bytes_of(cloud.x), bytes_of(cloud.y), bytes_of(cloud.z), rgb};
 }
 
 }  // namespace segserve::codec

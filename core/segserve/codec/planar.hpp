@@ -24,11 +24,16 @@ struct PlanarPlanes {
   operator PlanarBytes() const { return {x, y, z, rgb}; }  // NOLINT(google-explicit-constructor)
 };
 
-/// N = width * height points. INVALID_ARGUMENT naming the plane whose length does not fit, or the
+/// N = width * height points. Coordinates stay where they are if they are aligned there as floats are, so `planes` must
+/// outlive the cloud. INVALID_ARGUMENT naming the plane whose length does not fit, or the
 /// limit that is exceeded; that of `stop` once it says so. Neither coordinates nor an empty cloud are judged here.
-absl::StatusOr<Cloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
-                                    const View& view, const DecodeLimits& limits, const StopToken& stop = {});
+absl::StatusOr<BorrowingCloud> decode_planar(const PlanarBytes& planes, std::uint32_t width, std::uint32_t height,
+                                             const View& view, const DecodeLimits& limits, const StopToken& stop = {});
 
 PlanarPlanes encode_planar(const CloudView& cloud);
+
+/// The same without a copy of the coordinates: valid as long as the cloud's planes, and `rgb`, which becomes the
+/// colours' bytes.
+PlanarBytes encode_planar_in_place(const CloudView& cloud, std::string& rgb);
 
 }  // namespace segserve::codec

@@ -19,19 +19,25 @@ std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes) {
   return libdeflate_crc32(crc_so_far, bytes.data(), bytes.size());
 }
 
-ByteRun::ByteRun(std::span<std::string* const> blocks) {
-  for (std::string* block : blocks) {
-    blocks_.push_back(std::exchange(*block, {}));
-    size_ += blocks_.back().size();
-    crc32_ = wire::crc32(crc32_, blocks_.back());
+ByteRun::ByteRun(std::vector<std::string_view> blocks, std::shared_ptr<const void> owner)
+    : blocks_(std::move(blocks)), owner_(std::move(owner)) {
+  for (const std::string_view block : blocks_) {
+    size_ += block.size();
+    crc32_ = wire::crc32(crc32_, block);
   }
+}
+
+ByteRun::ByteRun(std::span<std::string* const> blocks) {
+  auto taken = std::make_shared<std::vector<std::string>>();
+  for (std::string* block : blocks) taken->push_back(std::exchange(*block, {}));
+  *this = ByteRun({taken->begin(), taken->end()}, taken);
 }
 
 OutgoingBytes::OutgoingBytes(std::shared_ptr<const ByteRun> run) : run_(std::move(run)) { skip_empty_blocks(); }
 
 std::string_view OutgoingBytes::next(std::size_t max_bytes) {
   if (done()) return {};
-  const std::string_view chunk = std::string_view(run_->blocks()[block_]).substr(offset_, max_bytes);
+  const std::string_view chunk = run_->blocks()[block_].substr(offset_, max_bytes);
   offset_ += chunk.size();
   skip_empty_blocks();
   return chunk;

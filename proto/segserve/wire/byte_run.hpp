@@ -17,20 +17,23 @@ inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 10U;
 /// CRC-32 of zlib, PNG and RFC 1952.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes);
 
-/// The bytes of a message's blocks, taken out of it.
+/// The bytes of a message's blocks.
 class ByteRun {
  public:
   ByteRun() = default;
   /// Takes the strings that `blocks` point to, and leaves them empty.
   explicit ByteRun(std::span<std::string* const> blocks);
+  /// Bytes that stay where they are; `owner` keeps them.
+  ByteRun(std::vector<std::string_view> blocks, std::shared_ptr<const void> owner);
 
-  std::span<const std::string> blocks() const { return blocks_; }
+  std::span<const std::string_view> blocks() const { return blocks_; }
   /// Of all blocks together.
   std::uint64_t size() const { return size_; }
   std::uint32_t crc32() const { return crc32_; }
 
  private:
-  std::vector<std::string> blocks_;
+  std::vector<std::string_view> blocks_;
+  std::shared_ptr<const void> owner_;
   std::uint64_t size_ = 0;
   std::uint32_t crc32_ = 0;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/options/options.hpp"
 #include "segserve/v1/cloud.pb.h"
+#include "segserve/wire/byte_run.hpp"
 
 namespace segserve::wire {
 
@@ -22,6 +24,16 @@ std::optional<View> from_message(const v1::View& message, std::vector<FieldViola
 /// The cloud as planar raw, each plane compressed if so asked. By other codecs: wire/codec.hpp.
 absl::StatusOr<v1::Cloud> to_planar_message(const CloudView& cloud, v1::Compression compression);
 
+/// A cloud on its way out.
+struct OutgoingCloud {
+  v1::Cloud message;  ///< without the bytes of its blocks
+  std::shared_ptr<const ByteRun> bytes;
+};
+
+/// The cloud as planar raw, its coordinates sent from where they are. `cloud` must not change as long as the bytes are
+/// shared.
+OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud);
+
 /// A PCD file as it is; the view, if given, overrides the file's.
 v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view);
 
@@ -32,7 +44,7 @@ v1::Cloud to_rgbd_message(codec::RgbdFiles images);
 std::vector<FieldViolation> violations(const v1::Cloud& message);
 
 struct DecodedCloud {
-  Cloud cloud;
+  BorrowingCloud cloud;   ///< planes may lie in the message, which must outlive it
   std::string view_rule;  ///< one line for people: why this view
 };
 
@@ -41,5 +53,7 @@ struct DecodedCloud {
 /// LIMIT_EXCEEDED. The status of `stop` once it says so.
 absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
                                           const StopToken& stop = {});
+absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud&& message, const codec::DecodeLimits& limits,
+                                          const StopToken& stop = {}) = delete;  // the message would be gone
 
 }  // namespace segserve::wire

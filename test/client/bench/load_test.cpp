@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -13,14 +14,14 @@
 namespace segserve::bench {
 namespace {
 
-std::vector<Cloud> scenes(std::size_t count) {
-  std::vector<Cloud> clouds;
+std::vector<std::shared_ptr<const Cloud>> scenes(std::size_t count) {
+  std::vector<std::shared_ptr<const Cloud>> clouds;
   for (std::size_t i = 0; i < count; ++i) {
     synth::SceneOptions options;
     options.width = 160;
     options.height = 120;
     options.seed = i + 1;
-    clouds.push_back(synth::make_tabletop(options).value().cloud);
+    clouds.push_back(std::make_shared<const Cloud>(synth::make_tabletop(options).value().cloud));
   }
   return clouds;
 }
@@ -31,9 +32,11 @@ std::vector<Encoding> all_encodings() {
   for (const wire::CodecInfo& info : wire::codecs()) {
     if (info.codec == wire::Codec::kDraco) continue;
     const wire::CodecOptions options{.codec = info.codec};
-    encodings.push_back({.name = std::string(info.name),
-                         .encode = [options](const CloudView& cloud) { return client::cloud_payload(cloud, options); },
-                         .of_answer = v1::COMPRESSION_ZSTD});
+    encodings.push_back(
+        {.name = std::string(info.name),
+         .encode =
+             [options](std::shared_ptr<const Cloud> cloud) { return client::cloud_payload(std::move(cloud), options); },
+         .of_answer = v1::COMPRESSION_ZSTD});
   }
   return encodings;
 }
@@ -64,11 +67,11 @@ TEST(Load, ManyClientsWithAllCodecsGetTheirLabelsAndTheirShare) {
 }
 
 TEST(Load, AFrameThatCannotBeEncodedIsAnErrorBeforeTheRun) {
-  Cloud cloud = scenes(1).front();
+  Cloud cloud = *scenes(1).front();
   cloud.x.resize(cloud.x.size() - 1);
   LoadOptions options;
   options.client.address = "127.0.0.1:1";
-  const auto report = run_load(options, {{cloud}, all_encodings()}, [](double) {});
+  const auto report = run_load(options, {{std::make_shared<const Cloud>(cloud)}, all_encodings()}, [](double) {});
   EXPECT_TRUE(absl::IsInvalidArgument(report.status())) << report.status();
 }
 

@@ -10,12 +10,13 @@ TEST(Planar, KeepsEverything) {
     const Sample sample = make_sample(1, 13, 7, color, false);
     const PlanarPlanes planes = encode_planar(sample.cloud);
     EXPECT_EQ(planes.x.size(), 4U * 13 * 7);
-    const auto read = decode_planar(planes, 13, 7, View::world(1, 2, 3), DecodeLimits{});
+    auto read = decode_planar(planes, 13, 7, View::world(1, 2, 3), DecodeLimits{});
     ASSERT_TRUE(read.ok()) << read.status();
-    expect_same_points(*read, sample.cloud);
-    EXPECT_EQ(read->width, 13U);
-    EXPECT_EQ(read->height, 7U);
-    EXPECT_EQ(read->view, View::world(1, 2, 3));
+    const CloudView& view = *read;
+    EXPECT_EQ(view.width, 13U);
+    EXPECT_EQ(view.height, 7U);
+    EXPECT_EQ(view.view, View::world(1, 2, 3));
+    expect_same_points((*std::move(read)).to_cloud(), sample.cloud);
   }
 }
 
@@ -26,6 +27,40 @@ TEST(Planar, LayoutIsLittleEndianFloatsAndInterleavedBytes) {
   EXPECT_EQ(planes.y, std::string("\x00\x00\x00\xc0", 4));
   EXPECT_EQ(planes.z, std::string("\x00\x00\x00\x3f", 4));
   EXPECT_EQ(planes.rgb, "\x10\x20\x30");
+}
+
+TEST(Planar, CoordinatesStayWhereTheyAreIfAligned) {
+  const Sample sample = make_sample(1, 13, 7, true, false);
+  const PlanarPlanes planes = encode_planar(sample.cloud);
+  std::string crooked = " " + planes.y;
+  PlanarBytes bytes = planes;
+  bytes.y = std::string_view(crooked).substr(1);
+  auto read = decode_planar(bytes, 13, 7, View::camera(), {}).value();
+  EXPECT_EQ(static_cast<const void*>(read->x.data()), planes.x.data());
+  EXPECT_NE(static_cast<const void*>(read->y.data()), bytes.y.data());
+  BorrowingCloud moved = std::move(read);
+  EXPECT_EQ(moved->rgb.size(), sample.cloud.size());
+  const Cloud own = std::move(moved).to_cloud();
+  EXPECT_NE(static_cast<const void*>(own.x.data()), planes.x.data());
+  expect_same_points(own, sample.cloud);
+}
+
+TEST(Planar, EncodingInPlaceIsTheSameBytes) {
+  for (const std::uint32_t points : {0U, 1U, 2U, 91U}) {
+    Cloud cloud = make_sample(1, 91, 1, true, false).cloud;
+    cloud.resize(points, true);
+    std::string rgb;
+    const PlanarBytes in_place = encode_planar_in_place(cloud, rgb);
+    const PlanarPlanes copied = encode_planar(cloud);
+    EXPECT_EQ(in_place.x, copied.x);
+    EXPECT_EQ(in_place.z, copied.z);
+    EXPECT_EQ(in_place.rgb, copied.rgb);
+    for (std::size_t i = 0; i < points; ++i) {
+      ASSERT_EQ(in_place.rgb.substr(3 * i, 3),
+                (std::string{static_cast<char>(red(cloud.rgb[i])), static_cast<char>(green(cloud.rgb[i])),
+                             static_cast<char>(blue(cloud.rgb[i]))}));
+    }
+  }
 }
 
 TEST(Planar, WrongLengthsAndLimitsAreNamed) {

@@ -53,8 +53,10 @@ absl::StatusOr<DecodedCloud> decode_planar(const v1::Cloud& message, const std::
   if (has_color) planes.rgb = reader.read(planar.rgb(), kColorBytes * points, "cloud.planar.rgb", buffers.rgb);
   if (!reader.status().ok()) return reader.status();
 
-  absl::StatusOr<Cloud> cloud = codec::decode_planar(planes, message.width(), message.height(), *view, limits, stop);
+  auto cloud = codec::decode_planar(planes, message.width(), message.height(), *view, limits, stop);
   if (!cloud.ok()) return decode_error(cloud.status());
+  const bool decompressed = !buffers.x.empty() || !buffers.y.empty() || !buffers.z.empty();
+  if (decompressed) cloud = (*std::move(cloud)).to_cloud();  // the buffers end here
   return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
 }
 
@@ -74,6 +76,31 @@ absl::StatusOr<v1::Cloud> to_planar_message(const CloudView& cloud, v1::Compress
   if (status.ok() && cloud.has_color()) status = put(planes.rgb, planar->mutable_rgb());
   if (!status.ok()) return status;
   return message;
+}
+
+OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud) {
+  OutgoingCloud out{message_around(*cloud), nullptr};
+  struct Owner {
+    std::shared_ptr<const Cloud> cloud;
+    std::string rgb;
+  };
+  const auto owner = std::make_shared<Owner>();
+  const codec::PlanarBytes planes = codec::encode_planar_in_place(*cloud, owner->rgb);
+  owner->cloud = std::move(cloud);
+  v1::PlanarCloud* planar = out.message.mutable_planar();
+  std::vector<std::string_view> blocks;
+  const auto put = [&blocks](std::string_view bytes, v1::Block* block) {
+    block->set_compression(v1::COMPRESSION_NONE);
+    block->set_decoded_bytes(bytes.size());
+    block->set_encoded_bytes(bytes.size());
+    blocks.push_back(bytes);
+  };
+  put(planes.x, planar->mutable_x());
+  put(planes.y, planar->mutable_y());
+  put(planes.z, planar->mutable_z());
+  if (owner->cloud->has_color()) put(planes.rgb, planar->mutable_rgb());
+  out.bytes = std::make_shared<const ByteRun>(std::move(blocks), owner);
+  return out;
 }
 
 }  // namespace segserve::wire
