@@ -56,6 +56,21 @@ class Batch(EndToEnd):
         self.assertEqual(set(self.states(self.batch("--segments", where=("--local",))).values()), {"skipped"})
         self.assertEqual(set(self.states(self.batch()).values()), {"segmented"}, "it is asked for something else")
 
+    def test_falls_back_to_this_process_if_told_to(self):
+        nobody = ("--server", "127.0.0.1:1", "--fallback-local")
+        done = self.batch(*nobody, where=())
+        self.assertEqual(done.returncode, SUCCESS)
+        self.assertEqual(done.stderr.decode(), "segctl: no server is in reach at 127.0.0.1:1: segmented in this process\n")
+        self.assertEqual(set(self.states(done).values()), {"segmented"})
+        self.assertIsNone(json.loads((self.outputs / "scene1.json").read_text())["server"])
+        here = self.contents()
+        for path in self.outputs.iterdir():
+            path.unlink()
+        done = self.batch("--fallback-local")
+        self.assertEqual((done.returncode, done.stderr), (SUCCESS, b""), "a server that is in reach is asked")
+        self.assertEqual(json.loads((self.outputs / "scene1.json").read_text())["server"], self.server.address)
+        self.assertEqual(self.contents(), here)
+
     def test_goes_on_where_it_stopped(self):
         self.batch()
         (self.outputs / "scene2.pcd").unlink()

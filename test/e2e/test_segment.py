@@ -3,7 +3,7 @@ import json
 import struct
 import unittest
 
-from harness import BAD_INPUT, EndToEnd
+from harness import BAD_INPUT, FAILED, SUCCESS, EndToEnd, segctl
 import pcd
 
 SMALL = ("--width", "160", "--height", "120")
@@ -104,6 +104,22 @@ class Summary(EndToEnd):
             self.assertEqual((told["method"], told["threshold"], told["regions"]), ("lambda-convex", 0.15, None))
             self.assertEqual(told["view"], "camera")
             self.assertGreater(told["timings_ms"]["total"], 0)
+
+    def test_falls_back_to_this_process_if_told_to(self):
+        scene = self.synth(*SMALL)
+        expected, _ = self.segment_locally(scene)
+        labelled = self.path("labelled.pcd")
+        flags = ("segment", scene, "-o", labelled, "--json", "-", "--fallback-local", "--server")
+        done = segctl(*flags, "127.0.0.1:1")
+        self.assertEqual(done.returncode, SUCCESS)
+        self.assertEqual(done.stderr.decode(), "segctl: no server is in reach at 127.0.0.1:1: segmented in this process\n")
+        self.assertIsNone(json.loads(done.stdout)["server"])
+        self.assertEqual(pcd.read_labels(labelled), expected)
+        done = self.run_well(*flags, self.server.address)
+        self.assertEqual(json.loads(done.stdout)["server"], self.server.address)
+        self.run_badly(FAILED, "segment", scene, "--server", "127.0.0.1:1", "--timeout", "2")
+        line = self.run_badly(BAD_INPUT, "segment", scene, "--local", "--fallback-local")
+        self.assertIn("--local asks no server", line)
 
     def test_parts_are_told(self):
         scene = self.synth(*SMALL)

@@ -92,11 +92,12 @@ absl::StatusOr<Stream> Client::open_stream(StreamOptions options) const {
 }
 
 absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& options, const CallOptions& call) const {
+  const Time start = Clock::now();
   const auto request = cloud_request(cloud, options, call);
   if (request.ok()) {
     auto result = call_segment(*request, call, cloud.size());
     if (!is_local_turn(result.status())) return result;
-    return segment_here(Payload(request->cloud(), cloud.size()), options, call.outputs, StopToken());
+    return segment_here(Payload(request->cloud(), cloud.size()), options, call.outputs, until_deadline(start, call));
   }
   if (!is_too_large(request.status())) return request.status();
   const bool compress = call.compress != Compress::kNever;
@@ -108,11 +109,16 @@ absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& op
 
 absl::StatusOr<Result> Client::segment_payload(const Payload& payload, const Options& options,
                                                const CallOptions& call) const {
+  const Time start = Clock::now();
   const auto request = payload_request(payload, options, call);
   if (!request.ok()) return or_else(stream_one(payload, options, call), request.status());
   auto result = call_segment(*request, call, std::nullopt);
   if (!is_local_turn(result.status())) return result;
-  return segment_here(payload, options, call.outputs, StopToken());
+  return segment_here(payload, options, call.outputs, until_deadline(start, call));
+}
+
+StopToken Client::until_deadline(std::chrono::steady_clock::time_point start, const CallOptions& call) const {
+  return StopToken(nullptr, start + call.timeout.value_or(options_.timeout));
 }
 
 bool Client::is_local_turn(const absl::Status& status) const {

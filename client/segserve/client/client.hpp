@@ -111,6 +111,8 @@ class Client {
   absl::Status call(std::optional<std::chrono::milliseconds> timeout, Attempt attempt) const;
   bool is_worth_another(const absl::Status& status, std::uint32_t tries, const AddressBook& book) const;
   bool is_local_turn(const absl::Status& status) const;
+  /// Of a call that began at `start`.
+  StopToken until_deadline(std::chrono::steady_clock::time_point start, const CallOptions& call) const;
 
   /// `points` is unset if only the server knows how many there are.
   absl::StatusOr<Result> call_segment(const v1::SegmentRequest& request, const CallOptions& call,

@@ -18,6 +18,7 @@ absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::str
   const double total = segmentation->timings.total;
   wire::Result result = wire::make_result(*std::move(segmentation), cloud, options, view_rule, SEGSERVE_VERSION);
   result.timings.total = total;
+  result.in_this_process = true;
   return result;
 }
 

@@ -17,6 +17,7 @@
 #include "segserve/segctl/exit_code.hpp"
 #include "segserve/segctl/input_file.hpp"
 #include "segserve/segctl/progress_bar.hpp"
+#include "segserve/segctl/server_flags.hpp"
 #include "segserve/segctl/staged_output.hpp"
 #include "segserve/segctl/summary.hpp"
 
@@ -53,6 +54,7 @@ class Batch {
     absl::Status status;
     std::size_t points = 0;
     std::uint32_t segments = 0;
+    bool in_this_process = false;
   };
 
   std::optional<std::size_t> next_open();
@@ -106,7 +108,7 @@ absl::Status Batch::write(Scene& scene, const client::Result& result) const {
   const BatchInput& input = job_.inputs[scene.index];
   Json summary = to_json({.result = result,
                           .input = input.path,
-                          .server = job_.server,
+                          .server = result.in_this_process ? "" : job_.server,
                           .timings = stage_timings(result),
                           .with_segments = job_.request.segments});
   summary["batch"] = {{"input", input.path}, {"input_bytes", scene.bytes}, {"key", key_}};
@@ -125,7 +127,7 @@ void Batch::end(Scene& scene, const absl::StatusOr<client::Result>& result) {
   absl::Status status = result.status();
   if (status.ok()) status = write(scene, *result);
   if (!status.ok()) return note(scene.index, {.kind = Kind::kFailed, .status = status});
-  note(scene.index, {Kind::kSegmented, {}, result->points, result->segmentation.segments});
+  note(scene.index, {Kind::kSegmented, {}, result->points, result->segmentation.segments, result->in_this_process});
 }
 
 /// The points as they are, or, if there is a codec, as a server would see them.
@@ -229,6 +231,7 @@ Json Batch::line(std::size_t index) const {
 
 absl::Status Batch::report() {
   bar_.reset();  // before anything is printed
+  if (job_.client && std::ranges::any_of(ends_, &End::in_this_process)) warn_of_fallback(job_.server);
   const auto count = [&](Kind kind) { return std::ranges::count(ends_, kind, &End::kind); };
   StagedOutput output;
   if (!job_.json_path.empty()) {

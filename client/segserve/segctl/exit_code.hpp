@@ -19,5 +19,7 @@ ExitCode exit_code(const absl::Status& status);
 /// Writes "segctl: <message>" to standard error as exactly one line; its head is red on a terminal
 /// unless NO_COLOR is set.
 void print_error(std::string_view message);
+/// The same in another colour, for what did not go as meant, but went.
+void print_warning(std::string_view message);
 
 }  // namespace segserve::segctl

@@ -23,13 +23,13 @@ support plane get label 0; segments are numbered 1, 2, .. by descending size.
 Without --view an organised PCD with the identity VIEWPOINT is seen by the camera, any other PCD
 is WORLD with the sensor at VIEWPOINT, and a PLY is WORLD without a sensor. Images are CAMERA.
 
-Lossy codecs move points by at most their error bound; labels still come back in the order of the input. With --local and a
-codec the points are segmented as a server would see them.
+Lossy codecs move points by at most their error bound; labels still come back in the order of the input.
+With --local and a codec the points are segmented as a server would see them.
 
 With --out-dir a file that fails stops no other; errors are listed at the end, one a line.
 
-Exit codes: 0 done; 1 failed (server unreachable, time over, disk full); 2 bad input or usage. Of many files: 2 if all
-that failed were bad input, else 1.)";
+Exit codes: 0 done; 1 failed (server unreachable, time over, disk full); 2 bad input or usage. Of many
+files: 2 if all that failed were bad input, else 1.)";
 
 }  // namespace
 
@@ -47,6 +47,7 @@ void SegmentArguments::add_to(CLI::App& app) {
       ->group("Segmentation");
   server.add_to(app, kDefaultTimeout);
   app.add_flag("--local", local, "segment in this process, without a server")->group("Server");
+  app.add_flag("--fallback-local", fallback_local, "segment in this process if no server is in reach")->group("Server");
   codec.add_to(app,
                "pcd sends a PCD file as it is; default: planar, and planar-zstd if that would be too large "
                "for one call",
@@ -101,6 +102,9 @@ absl::Status SegmentArguments::check_combination() const {
   }
   if (local && server.server_given()) {
     return absl::InvalidArgumentError("--local and --server exclude each other");
+  }
+  if (local && fallback_local) {
+    return absl::InvalidArgumentError("--local and --fallback-local exclude each other: --local asks no server");
   }
   if (local && !request_id.empty()) {
     return absl::InvalidArgumentError("--request-id needs a server: not together with --local");

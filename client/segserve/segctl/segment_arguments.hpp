@@ -38,6 +38,7 @@ struct SegmentArguments {
   RgbdFlags rgbd;
   CodecFlags codec;
   bool local = false;
+  bool fallback_local = false;
   std::string request_id;
   SceneOutput scene_output;
   std::string result_path;

@@ -82,7 +82,7 @@ absl::StatusOr<Job> prepare(const SegmentArguments& arguments) {
 }
 
 absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& arguments, Job& job) {
-  const auto client = arguments.server.connect();
+  const auto client = arguments.server.connect(arguments.fallback_local);
   if (!client.ok()) return client.status();
   client::CallOptions call;
   call.request_id = arguments.request_id;
@@ -126,7 +126,7 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
   }
   Summary summary{.result = result,
                   .input = job.input,
-                  .server = arguments.local ? "" : arguments.server.address(),
+                  .server = result.in_this_process ? "" : arguments.server.address(),
                   .timings = stage_timings(result),
                   .with_segments = job.request.segments};
   if (!arguments.local) summary.timings.push_back({"round_trip", call_ms});
@@ -157,6 +157,7 @@ absl::Status run(const SegmentArguments& arguments) {
   auto result = arguments.local ? segment_here(arguments, *job) : segment_remotely(arguments, *job);
   if (!result.ok()) return result.status();
   const double call_ms = milliseconds_since(start);
+  if (result->in_this_process && !arguments.local) warn_of_fallback(arguments.server.address());
   if (arguments.local) {
     result->timings.decode = decode_ms;
     result->timings.total += decode_ms;

@@ -14,16 +14,18 @@ namespace segserve::segctl {
 namespace {
 
 absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
-  auto client = arguments.server.connect();
+  auto client = arguments.server.connect(arguments.fallback_local);
   if (!client.ok()) return client.status();
   // Before a run in which every file would fail for the same reason.
-  if (const auto info = client->server_info(); !info.ok()) return info.status();
+  const absl::Status reached = client->server_info().status();
+  if (!reached.ok() && !(arguments.fallback_local && absl::IsUnavailable(reached))) return reached;
   job.client = *std::move(client);
   job.server = arguments.server.address();
   job.stream.client_name = "segctl segment";
   job.stream.options = job.request.options;
   job.stream.outputs = {.labels = true, .segments = job.request.segments};
   job.stream.outputs.compression = answer_compression(job.request.codec);
+  job.stream.fallback_to_local = arguments.fallback_local;
   job.stream.frame_timeout = *arguments.server.timeout();
   return absl::OkStatus();
 }

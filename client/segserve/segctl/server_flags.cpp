@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "fmt/format.h"
+#include "segserve/segctl/exit_code.hpp"
 
 namespace segserve::segctl {
 
@@ -33,10 +34,14 @@ absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {
   return std::chrono::milliseconds(static_cast<std::int64_t>(timeout_s_ * 1000));
 }
 
-absl::StatusOr<client::Client> ServerFlags::connect() const {
+absl::StatusOr<client::Client> ServerFlags::connect(bool fallback_to_local) const {
   const auto limit = timeout();
   if (!limit.ok()) return limit.status();
-  return client::Client::connect({.address = address_, .timeout = *limit});
+  return client::Client::connect({.address = address_, .timeout = *limit, .fallback_to_local = fallback_to_local});
+}
+
+void warn_of_fallback(const std::string& address) {
+  print_warning(fmt::format("no server is in reach at {}: segmented in this process", address));
 }
 
 }  // namespace segserve::segctl

@@ -21,7 +21,8 @@ class ServerFlags {
 
   /// INVALID_ARGUMENT unless above 0 and at most a day.
   absl::StatusOr<std::chrono::milliseconds> timeout() const;
-  absl::StatusOr<client::Client> connect() const;
+  /// `fallback_to_local` as in client::ClientOptions.
+  absl::StatusOr<client::Client> connect(bool fallback_to_local = false) const;
 
  private:
   std::string address_;
@@ -29,5 +30,8 @@ class ServerFlags {
   CLI::Option* server_option_ = nullptr;
   CLI::Option* timeout_option_ = nullptr;
 };
+
+/// Tells that --fallback-local was of use.
+void warn_of_fallback(const std::string& address);
 
 }  // namespace segserve::segctl

@@ -31,8 +31,9 @@ struct Result {
   View view;                             ///< that was used
   std::string view_rule;                 ///< why this view, for people
   CallTimings timings;
-  std::string server_version;  ///< of the program that segmented
-  std::string options_hash;    ///< see wire::options_hash
+  std::string server_version;    ///< of the program that segmented
+  std::string options_hash;      ///< see wire::options_hash
+  bool in_this_process = false;  ///< on the client: computed here, not by a server
 };
 
 /// What there is to tell of the finished segmentation of `cloud`; call timings are left 0.
