@@ -158,6 +158,11 @@ TEST_F(ConnectionTest, AServerMustKeepToTheProtocol) {
   monstrous.mutable_outcome()->set_encoded_bytes(~0ULL);
   EXPECT_TRUE(is_refused(monstrous));
 
+  constexpr std::size_t kMost = 100 * 28 + (64 << 10U);  // of 100 points
+  EXPECT_TRUE(is_refused(outcome(1, kMost + 1)));
+  Response long_but_possible = outcome(1, kMost);
+  EXPECT_TRUE(Connection(connection_).receive(long_but_possible).ok());
+
   Response begun = outcome(1, 20);
   ASSERT_TRUE(connection_.receive(begun).ok());
   EXPECT_TRUE(is_refused(chunk(1, 21)));    // too long

@@ -12,9 +12,12 @@ namespace {
 
 using v1::SegmentStreamResponse;
 
-/// No answer that we could want has more bytes: 100 million points with two labels of 4 bytes each, all of them leaves
-/// of a tree with 20 bytes for each.
-constexpr std::uint64_t kMaxAnswerBytes = 2'800'000'000;
+/// No answer to a cloud has more bytes: two labels of 4 bytes for each point, all of them leaves of a tree with 20
+/// bytes for each, and what zstd and the columns add. Of 100 million points, if their number is not known.
+constexpr std::uint64_t max_answer_bytes(std::uint64_t points) {
+  constexpr std::uint64_t kUnknown = 100'000'000, kBytesPerPoint = 28, kSlack = 64 << 10U;
+  return kSlack + kBytesPerPoint * (points == 0 ? kUnknown : points);
+}
 
 absl::Status broken(std::string message) {
   return absl::InternalError("the server broke the protocol of the stream: " + std::move(message));
@@ -45,7 +48,7 @@ void Connection::begin(std::uint64_t sequence, v1::FrameHeader header, const Pay
   header.set_crc32(payload.run()->crc32());
   header_ = std::move(header);
   bytes_used_ += payload.bytes();
-  sent_[upload_] = {sequence, payload.bytes()};
+  sent_[upload_] = {sequence, payload.bytes(), payload.points()};
   payload_ = wire::OutgoingBytes(payload.run());
 }
 
@@ -125,12 +128,13 @@ absl::StatusOr<Connection::Event> Connection::receive_outcome(v1::FrameOutcome& 
   const auto frame = sent_.find(outcome.sequence());
   if (frame == sent_.end()) return broken(fmt::format("it ended frame {}, which it does not have", outcome.sequence()));
   if (upload_ == outcome.sequence()) upload_ = 0;  // the rest is not wanted
-  if (outcome.encoded_bytes() > kMaxAnswerBytes) {
-    return broken(fmt::format("a result of {} bytes; {} are allowed", outcome.encoded_bytes(), kMaxAnswerBytes));
+  const std::uint64_t most = max_answer_bytes(frame->second.points);
+  if (outcome.encoded_bytes() > most) {
+    return broken(fmt::format("a result of {} bytes; {} are allowed", outcome.encoded_bytes(), most));
   }
   std::vector<std::uint64_t> sizes = wire::result_block_sizes(outcome.result());
   std::uint64_t promised = 0;
-  for (const std::uint64_t size : sizes) promised += std::min(size, kMaxAnswerBytes);
+  for (const std::uint64_t size : sizes) promised += std::min(size, most);
   if (promised != outcome.encoded_bytes()) {
     return broken(fmt::format("a result of {} bytes with blocks of {}", outcome.encoded_bytes(), promised));
   }

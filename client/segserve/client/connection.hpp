@@ -66,6 +66,7 @@ class Connection {
   struct SentFrame {
     std::uint64_t sequence = 0;
     std::uint64_t bytes = 0;
+    std::uint64_t points = 0;  // 0: not known
   };
   absl::StatusOr<Event> receive_opened(const v1::StreamOpened& opened);
   absl::StatusOr<Event> receive_outcome(v1::FrameOutcome& outcome);
