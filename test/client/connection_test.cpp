@@ -7,6 +7,7 @@
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
 #include "segserve/wire/byte_run.hpp"
+#include "test/client/outgoing_message.hpp"
 #include "test/client/scenes.hpp"
 
 namespace segserve::client {
@@ -19,9 +20,9 @@ using Event = Connection::Event;
 class ConnectionTest : public testing::Test {
  protected:
   void SetUp() override {
-    Request message;
-    ASSERT_TRUE(connection_.next(message));
-    ASSERT_TRUE(message.has_open());
+    Outgoing outgoing;
+    ASSERT_TRUE(connection_.next(outgoing));
+    ASSERT_TRUE(outgoing.message.has_open());
     Response opened;
     opened.mutable_opened()->mutable_credit()->set_frames(2);
     opened.mutable_opened()->mutable_credit()->set_bytes(10'000);
@@ -31,7 +32,7 @@ class ConnectionTest : public testing::Test {
 
   std::vector<Request> sent() {
     std::vector<Request> messages;
-    for (Request message; connection_.next(message); message.Clear()) messages.push_back(message);
+    for (Outgoing outgoing; connection_.next(outgoing);) messages.push_back(received(outgoing));
     return messages;
   }
 
@@ -118,15 +119,15 @@ TEST_F(ConnectionTest, ADamagedAnswerIsNoticed) {
 
 TEST_F(ConnectionTest, NoChunksFollowACancelOrAnOutcome) {
   connection_.begin(1, {}, payload_);
-  Request message;
-  ASSERT_TRUE(connection_.next(message) && connection_.next(message));
+  Outgoing outgoing;
+  ASSERT_TRUE(connection_.next(outgoing) && connection_.next(outgoing));
   connection_.cancel(1);
   auto messages = sent();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_TRUE(messages[0].has_cancel());
 
   connection_.begin(2, {}, payload_);
-  ASSERT_TRUE(connection_.next(message) && connection_.next(message));
+  ASSERT_TRUE(connection_.next(outgoing) && connection_.next(outgoing));
   Response failed = outcome(2, 0);
   failed.mutable_outcome()->set_kind(v1::OUTCOME_KIND_FAILED);
   ASSERT_TRUE(connection_.receive(failed).ok());

@@ -9,6 +9,7 @@
 #include "gtest/gtest.h"
 #include "segserve/wire/byte_run.hpp"
 #include "segserve/wire/status.hpp"
+#include "test/client/outgoing_message.hpp"
 #include "test/client/scenes.hpp"
 
 namespace segserve::client {
@@ -43,7 +44,7 @@ class Bench {
   /// Everything that a connection has to say now.
   std::vector<Request> sent(StreamCore::ConnectionId id) {
     std::vector<Request> messages;
-    for (Request message; core_.next_message(id, message, now_); message.Clear()) messages.push_back(message);
+    for (Outgoing outgoing; core_.next_message(id, outgoing, now_);) messages.push_back(received(outgoing));
     return messages;
   }
   std::vector<Request> sent() { return sent(connections_.back()); }

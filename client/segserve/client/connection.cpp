@@ -58,7 +58,10 @@ void Connection::cancel(std::uint64_t sequence) {
   }
 }
 
-std::optional<Connection::Sent> Connection::next(v1::SegmentStreamRequest& message) {
+std::optional<Connection::Sent> Connection::next(Outgoing& outgoing) {
+  outgoing.data = {};
+  outgoing.owner.reset();
+  v1::SegmentStreamRequest& message = outgoing.message;
   if (!open_sent_) {
     open_sent_ = true;
     *message.mutable_open() = open_;
@@ -80,10 +83,9 @@ std::optional<Connection::Sent> Connection::next(v1::SegmentStreamRequest& messa
   }
   if (upload_ == 0) return std::nullopt;
   const std::uint64_t sequence = sent_.at(upload_).sequence;
-  v1::FrameChunk& chunk = *message.mutable_chunk();
-  chunk.set_sequence(upload_);
-  const std::string_view bytes = payload_.next(chunk_bytes_);
-  chunk.set_data(bytes.data(), bytes.size());
+  message.mutable_chunk()->set_sequence(upload_);
+  outgoing.data = payload_.next(chunk_bytes_);
+  outgoing.owner = payload_.shared_run();
   const bool complete = payload_.done();
   if (complete) {
     upload_ = 0;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "segserve/client/outgoing.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/v1/segmentation_service.pb.h"
 #include "segserve/wire/byte_run.hpp"
@@ -43,12 +44,12 @@ class Connection {
   /// No more frames: half-closes when the last upload is done.
   void end() { ending_ = true; }
 
-  /// Fills in the message to be sent next. False if there is none now.
+  /// Fills in the message to be sent next, whatever it held before. Nothing if there is none now.
   struct Sent {
     std::optional<std::uint64_t> sequence;  ///< whose payload it belongs to
     bool completes_payload = false;
   };
-  std::optional<Sent> next(v1::SegmentStreamRequest& message);
+  std::optional<Sent> next(Outgoing& outgoing);
   /// True once nothing will be sent any more.
   bool wants_half_close() const;
 

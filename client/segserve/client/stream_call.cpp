@@ -5,13 +5,19 @@
 #include "segserve/client/call_status.hpp"
 
 namespace segserve::client {
+namespace {
+
+/// The generated stub knows it, but takes no messages other than protobuf's.
+constexpr const char* kMethod = "/segserve.v1.SegmentationService/SegmentStream";
+
+}  // namespace
 
 StreamCall::StreamCall(std::uint64_t id, std::string address, std::shared_ptr<grpc::Channel> channel,
                        StreamCallListener& listener)
     : id_(id), address_(std::move(address)), channel_(std::move(channel)), listener_(listener), stub_(channel_) {}
 
 void StreamCall::start() {
-  stub_.async()->SegmentStream(&context_, this);
+  stub_.PrepareBidiStreamingCall(&context_, kMethod, {}, this);
   AddHold();  // for pump(), until the server has no more to say
   {
     const std::lock_guard lock(mutex_);

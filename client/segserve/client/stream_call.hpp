@@ -8,8 +8,10 @@
 #include "absl/status/status.h"
 #include "grpcpp/channel.h"
 #include "grpcpp/client_context.h"
+#include "grpcpp/generic/generic_stub.h"
 #include "grpcpp/support/client_callback.h"
-#include "segserve/v1/segmentation_service.grpc.pb.h"
+#include "segserve/client/serialise.hpp"
+#include "segserve/v1/stream.pb.h"
 
 namespace segserve::client {
 
@@ -19,7 +21,7 @@ class StreamCallListener {
  public:
   virtual ~StreamCallListener() = default;
   /// Fills in what is to be sent; false if nothing is now.
-  virtual bool next_message(std::uint64_t call, v1::SegmentStreamRequest& message) = 0;
+  virtual bool next_message(std::uint64_t call, Outgoing& outgoing) = 0;
   virtual bool wants_half_close(std::uint64_t call) = 0;
   virtual void on_written(std::uint64_t call) = 0;
   virtual void on_message(std::uint64_t call, v1::SegmentStreamResponse& message) = 0;
@@ -28,7 +30,7 @@ class StreamCallListener {
 
 /// One SegmentStream call: moves messages between gRPC and its listener. Once started it must live until on_closed,
 /// and must not die in a thread of gRPC's (that of on_closed is one): gRPC 1.51 cannot destroy a channel there.
-class StreamCall final : private grpc::ClientBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse> {
+class StreamCall final : private grpc::ClientBidiReactor<Outgoing, v1::SegmentStreamResponse> {
  public:
   StreamCall(std::uint64_t id, std::string address, std::shared_ptr<grpc::Channel> channel,
              StreamCallListener& listener);
@@ -49,9 +51,9 @@ class StreamCall final : private grpc::ClientBidiReactor<v1::SegmentStreamReques
   const std::string address_;
   const std::shared_ptr<grpc::Channel> channel_;
   StreamCallListener& listener_;
-  v1::SegmentationService::Stub stub_;
+  grpc::TemplatedGenericStub<Outgoing, v1::SegmentStreamResponse> stub_;
   grpc::ClientContext context_;
-  v1::SegmentStreamRequest request_;
+  Outgoing request_;
   v1::SegmentStreamResponse response_;
 
   std::mutex mutex_;

@@ -77,7 +77,7 @@ class StreamCore {
   // What connections do. Unknown ids are ignored.
 
   /// Fills in the next message of a connection; false if there is none now.
-  bool next_message(ConnectionId id, v1::SegmentStreamRequest& message, Time now);
+  bool next_message(ConnectionId id, Outgoing& outgoing, Time now);
   bool wants_half_close(ConnectionId id) const;
   void on_sign_of_life(ConnectionId id, Time now);
   /// True if something changed that the application or time may act upon.

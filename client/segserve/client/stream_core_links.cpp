@@ -4,6 +4,7 @@
 
 #include "fmt/format.h"
 #include "segserve/client/retry.hpp"
+#include "segserve/client/serialise.hpp"
 #include "segserve/client/stream_core.hpp"
 #include "segserve/wire/options.hpp"
 #include "segserve/wire/status.hpp"
@@ -190,18 +191,18 @@ void StreamCore::begin_frame(Link& link, ConnectionId id, Time now) {
   link.protocol.begin(frame->sequence, header_of(*frame, now), frame->payload);
 }
 
-bool StreamCore::next_message(ConnectionId id, v1::SegmentStreamRequest& message, Time now) {
+bool StreamCore::next_message(ConnectionId id, Outgoing& outgoing, Time now) {
   const auto found = links_.find(id);
   if (found == links_.end() || !found->second.broken.ok()) return false;
   Link& link = found->second;
   if (link.protocol.has_turn()) begin_frame(link, id, now);
-  const auto sent = link.protocol.next(message);
+  const auto sent = link.protocol.next(outgoing);
   if (!sent) return false;
   Frame* frame = sent->sequence ? find(*sent->sequence) : nullptr;
   if (frame != nullptr && frame->connection == id) {
     FrameReport& report = frame->raw.outcome.report;
-    report.bytes_sent += message.ByteSizeLong();
-    if (message.has_frame()) report.header_sent = now;
+    report.bytes_sent += byte_size(outgoing);
+    if (outgoing.message.has_frame()) report.header_sent = now;
     if (sent->completes_payload) report.payload_sent = now;
   }
   return true;

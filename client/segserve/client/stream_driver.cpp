@@ -106,10 +106,10 @@ bool StreamDriver::exhausted() {
   return all_taken();
 }
 
-bool StreamDriver::next_message(std::uint64_t call, v1::SegmentStreamRequest& message) {
+bool StreamDriver::next_message(std::uint64_t call, Outgoing& outgoing) {
   const std::lock_guard lock(mutex_);
-  const bool is_header_due = core_.next_message(call, message, Clock::now());
-  if (is_header_due && message.has_frame()) changed();  // one frame waits less
+  const bool is_header_due = core_.next_message(call, outgoing, Clock::now());
+  if (is_header_due && outgoing.message.has_frame()) changed();  // one frame waits less
   return is_header_due;
 }
 

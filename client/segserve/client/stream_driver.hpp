@@ -33,7 +33,7 @@ class StreamDriver final : public StreamCallListener {
   std::optional<RawOutcome> next(std::optional<Time> until);
   bool exhausted();
 
-  bool next_message(std::uint64_t call, v1::SegmentStreamRequest& message) override;
+  bool next_message(std::uint64_t call, Outgoing& outgoing) override;
   bool wants_half_close(std::uint64_t call) override;
   void on_written(std::uint64_t call) override;
   void on_message(std::uint64_t call, v1::SegmentStreamResponse& message) override;

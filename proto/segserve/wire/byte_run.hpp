@@ -45,6 +45,7 @@ class OutgoingBytes {
   explicit OutgoingBytes(std::shared_ptr<const ByteRun> run);
 
   const ByteRun& run() const { return *run_; }
+  const std::shared_ptr<const ByteRun>& shared_run() const { return run_; }
   /// True once everything was given away.
   bool done() const { return block_ == run_->blocks().size(); }
   /// The next bytes, at most `max_bytes` (above 0) and not beyond the end of a block; valid as long as the run.
