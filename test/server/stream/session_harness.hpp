@@ -165,4 +165,17 @@ inline v1::ErrorReason reason_of(const v1::FrameOutcome& outcome) {
   return wire::details_of(wire::from_message(outcome.status())).reason;
 }
 
+inline std::vector<std::uint64_t> sequences(const std::vector<v1::FrameOutcome>& outcomes) {
+  std::vector<std::uint64_t> numbers;
+  for (const v1::FrameOutcome& outcome : outcomes) numbers.push_back(outcome.sequence());
+  return numbers;
+}
+
+inline v1::StreamOpen opening(v1::WhenBehind when_behind, v1::ResultOrder order = v1::RESULT_ORDER_ORDERED) {
+  v1::StreamOpen open;
+  open.set_when_behind(when_behind);
+  open.set_order(order);
+  return open;
+}
+
 }  // namespace segserve::server
