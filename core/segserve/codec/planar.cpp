@@ -76,20 +76,17 @@ std::vector<std::uint32_t> read_colors(std::string_view bytes, StopCheck& check)
   return rgb;
 }
 
-/// The reverse.
-std::string write_colors(std::span<const std::uint32_t> rgb) {
-  std::string bytes(3 * rgb.size(), '\0');
-  char* out = bytes.data();
+/// The reverse: 3 bytes a point.
+void write_colors(std::span<const std::uint32_t> rgb, char* out) {
+  if (rgb.empty()) return;
   for (const std::uint32_t color : rgb.first(readable_as_words(rgb.size()))) {
     const std::uint32_t word = reversed(color << 8U);
     std::memcpy(out, &word, sizeof word);
     out += 3;
   }
-  if (rgb.empty()) return bytes;
   *out++ = static_cast<char>(red(rgb.back()));
   *out++ = static_cast<char>(green(rgb.back()));
   *out = static_cast<char>(blue(rgb.back()));
-  return bytes;
 }
 
 }  // namespace
@@ -113,17 +110,17 @@ absl::StatusOr<BorrowingCloud> decode_planar(const PlanarBytes& planes, std::uin
 }
 
 PlanarPlanes encode_planar(const CloudView& cloud) {
-  PlanarPlanes planes;
-  const PlanarBytes in_place = encode_planar_in_place(cloud, planes.rgb);
-  planes.x = in_place.x;
-  planes.y = in_place.y;
-  planes.z = in_place.z;
+  PlanarPlanes planes{std::string(bytes_of(cloud.x)), std::string(bytes_of(cloud.y)), std::string(bytes_of(cloud.z)),
+                      std::string(3 * cloud.rgb.size(), '\0')};
+  write_colors(cloud.rgb, planes.rgb.data());
   return planes;
 }
 
-PlanarBytes encode_planar_in_place(const CloudView& cloud, std::string& rgb) {
-  rgb = write_colors(cloud.rgb);
-  return {bytes_of(cloud.x), bytes_of(cloud.y), bytes_of(cloud.z), rgb};
+PlanarBytes encode_planar_in_place(const CloudView& cloud, std::unique_ptr<char[]>& rgb) {
+  const std::size_t bytes = 3 * cloud.rgb.size();
+  rgb = std::make_unique_for_overwrite<char[]>(bytes);
+  write_colors(cloud.rgb, rgb.get());
+  return {bytes_of(cloud.x), bytes_of(cloud.y), bytes_of(cloud.z), std::string_view(rgb.get(), bytes)};
 }
 
 }  // namespace segserve::codec

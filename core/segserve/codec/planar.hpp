@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -34,6 +35,6 @@ PlanarPlanes encode_planar(const CloudView& cloud);
 
 /// The same without a copy of the coordinates: valid as long as the cloud's planes, and `rgb`, which becomes the
 /// colours' bytes.
-PlanarBytes encode_planar_in_place(const CloudView& cloud, std::string& rgb);
+PlanarBytes encode_planar_in_place(const CloudView& cloud, std::unique_ptr<char[]>& rgb);
 
 }  // namespace segserve::codec

@@ -49,7 +49,7 @@ TEST(Planar, EncodingInPlaceIsTheSameBytes) {
   for (const std::uint32_t points : {0U, 1U, 2U, 91U}) {
     Cloud cloud = make_sample(1, 91, 1, true, false).cloud;
     cloud.resize(points, true);
-    std::string rgb;
+    std::unique_ptr<char[]> rgb;
     const PlanarBytes in_place = encode_planar_in_place(cloud, rgb);
     const PlanarPlanes copied = encode_planar(cloud);
     EXPECT_EQ(in_place.x, copied.x);

@@ -82,7 +82,7 @@ OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud) {
   OutgoingCloud out{message_around(*cloud), nullptr};
   struct Owner {
     std::shared_ptr<const Cloud> cloud;
-    std::string rgb;
+    std::unique_ptr<char[]> rgb;
   };
   const auto owner = std::make_shared<Owner>();
   const codec::PlanarBytes planes = codec::encode_planar_in_place(*cloud, owner->rgb);
