@@ -11,15 +11,15 @@ class BelowThreshold {
   /// `weight(dissimilarity)` grows with it, up to rounding.
   template <typename Weight>
   BelowThreshold(Weight&& weight, double threshold) : threshold_(threshold) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double low = -kFarthest, high = kFarthest;
-    if (!(weight(low) < threshold)) high = low;
-    if (weight(high) < threshold) low = high;
-    while (high - low > kMargin / 2) {
+    const bool never = !(weight(low) < threshold), always = weight(high) < threshold;
+    while (!never && !always && high - low > kMargin / 2) {
       const double middle = low + (high - low) / 2;
       (weight(middle) < threshold ? low : high) = middle;
     }
-    surely_below_ = low - kMargin;
-    surely_not_ = high + kMargin;
+    surely_below_ = never ? -kInfinity : (always ? high : low) - kMargin;
+    surely_not_ = always ? kInfinity : (never ? low : high) + kMargin;
   }
 
   template <typename Weight>

@@ -26,6 +26,15 @@ TEST(BelowThreshold, SaysWhatTheWeightSays) {
   }
 }
 
+TEST(BelowThreshold, HoldsHoweverFarAway) {
+  for (const double threshold : {0.0, 1e-305, 0.5, 1.0, 2.0}) {
+    const BelowThreshold below(sigmoid, threshold);
+    for (const double d : {-1e6, -2000.0, -1000.0, 1000.0, 2000.0, 1e6}) {
+      EXPECT_EQ(below(sigmoid, d), sigmoid(d) < threshold) << threshold << ", " << d;
+    }
+  }
+}
+
 TEST(BelowThreshold, SeldomAsksForTheWeight) {
   int asked = 0;
   const auto weight = [&](double d) { return ++asked, sigmoid(d); };
