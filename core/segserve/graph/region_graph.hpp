@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "segserve/graph/region_edge.hpp"
 #include "segserve/math/symmetric3.hpp"
 #include "segserve/math/vec3.hpp"
 #include "segserve/supervoxel/growth.hpp"
@@ -24,12 +25,6 @@ struct Region {
 
   /// Unites two disjoint regions; the scatter by Chan, Golub and LeVeque (1979).
   void merge(const Region& other);
-};
-
-/// Two regions that touch; a < b.
-struct RegionEdge {
-  std::uint32_t a = 0, b = 0;
-  bool operator==(const RegionEdge&) const = default;
 };
 
 /// G^m of the paper: the supervoxels and which of them are adjacent, edges ascending by (a, b).

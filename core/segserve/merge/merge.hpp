@@ -34,6 +34,12 @@ concept Metric = requires(T metric, const T& constant, typename T::Evidence evid
   evidence += evidence;
 };
 
+/// A metric that looks at no evidence may compute many dissimilarities at once.
+template <typename T>
+concept BatchMetric = Metric<T> && requires(const T& constant, std::span<const RegionEdge> pairs, double* result) {
+  constant.dissimilarities(pairs, result);
+};
+
 /// The merging process of section 2.1: while edges are left, the two regions of the smallest weight
 /// become one, and its edges get new weights (eq. 2). Every region keeps its edges in a list by
 /// neighbour, and the best of those to larger regions takes part in a tournament.
@@ -57,11 +63,14 @@ class Merger {
         links_(metric.region_count()),
         best_(metric.region_count(), Edge{}) {
     reserve_links(edges);
+    measured_.resize(edges.size());
+    check_.for_each_block(0, edges.size(), [&](std::size_t first, std::size_t last) {
+      measure(edges.subspan(first, last - first), evidence.subspan(first, last - first), measured_.data() + first);
+    });
     check_.for_each(0, edges.size(), [&](std::size_t e) {
       const auto [a, b] = edges[e];
-      const Link link = this->link(a, b, evidence[e]);
-      links_[a].push_back(link);
-      links_[b].push_back(link.back_to(a));
+      links_[a].push_back(link(b, measured_[e], evidence[e]));
+      links_[b].push_back(links_[a].back().back_to(a));
     });
     for (std::uint32_t r = 0; r < links_.size() && !check_.after(1 + links_[r].size()); ++r) {
       if (!std::ranges::is_sorted(links_[r], {}, &Link::region)) std::ranges::sort(links_[r], {}, &Link::region);
@@ -111,10 +120,33 @@ class Merger {
     }
   };
 
-  Link link(std::uint32_t from, std::uint32_t to, const Evidence& evidence) const {
-    const double dissimilarity = metric_.dissimilarity(from, to, evidence);
+  Link link(std::uint32_t to, double dissimilarity, const Evidence& evidence) const {
     const auto weight = [this](double d) { return metric_.weight(d); };
     return {to, below_(weight, dissimilarity), dissimilarity, evidence};
+  }
+
+  void measure(std::span<const RegionEdge> pairs, std::span<const Evidence> evidence, double* result) const {
+    if constexpr (BatchMetric<M>) {
+      metric_.dissimilarities(pairs, result);
+    } else {
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        result[i] = metric_.dissimilarity(pairs[i].a, pairs[i].b, evidence[i]);
+      }
+    }
+  }
+
+  /// All edges of region p anew.
+  void measure_links(std::uint32_t p) {
+    std::vector<Link>& links = links_[p];
+    pairs_.clear();
+    evidence_.clear();
+    for (const Link& to : links) {
+      pairs_.push_back({p, to.region});
+      evidence_.push_back(to.evidence);
+    }
+    measured_.resize(links.size());
+    measure(pairs_, evidence_, measured_.data());
+    for (std::size_t i = 0; i < links.size(); ++i) links[i] = link(links[i].region, measured_[i], links[i].evidence);
   }
 
   Edge edge(std::uint32_t a, const Link& link) const {
@@ -147,8 +179,7 @@ class Merger {
     links_[q] = {};
     best_.set(q, Edge{});
     check_.after(2 * links_[p].size());
-    // In two loops, so that the CPU computes several at once.
-    for (Link& to : links_[p]) to = link(p, to.region, to.evidence);
+    measure_links(p);
     for (const Link& to : links_[p]) replace_links(to, p, q);
     find_best(p);
   }
@@ -208,6 +239,9 @@ class Merger {
   StopCheck check_;
   std::vector<std::vector<Link>> links_;
   std::vector<Link> united_;
+  std::vector<RegionEdge> pairs_;
+  std::vector<Evidence> evidence_;
+  std::vector<double> measured_;
   Tournament<Edge> best_;
 };
 

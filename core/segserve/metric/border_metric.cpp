@@ -5,6 +5,7 @@
 
 #include "segserve/math/elementary.hpp"
 #include "segserve/metric/color.hpp"
+#include "segserve/metric/kernels/kernels.hpp"
 
 namespace segserve {
 namespace {
@@ -46,13 +47,18 @@ std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, co
     normal.push_back(unit(region.normal_sum));
     color.push_back(srgb_to_lab((1.0 / region.points) * region.color_sum));
   });
+  std::vector<double> difference(graph.edges.size());
+  check.for_each_block(0, graph.edges.size(), [&](std::size_t first, std::size_t last) {
+    metric_kernels().color_differences(color.data(), graph.edges.data() + first, last - first,
+                                       difference.data() + first);
+  });
   std::vector<BorderMetric::Evidence> evidence;
   evidence.reserve(graph.edges.size());
   check.for_each(0, graph.edges.size(), [&](std::size_t e) {
     const auto [a, b] = graph.edges[e];
     const bool cut = is_cut(graph.regions[a].centroid, normal[a], graph.regions[b].centroid, normal[b], voxel, seed);
     const double z = (cut ? options.cut_weight : 0) + options.concavity_weight * borders[e].concavity +
-                     options.color_weight * ciede2000(color[a], color[b]);
+                     options.color_weight * difference[e];
     evidence.push_back({borders[e].voxel_pairs, borders[e].voxel_pairs * z});
   });
   return evidence;

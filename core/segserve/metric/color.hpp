@@ -1,18 +1,15 @@
 #pragma once
 
 #include "segserve/math/vec3.hpp"
+#include "segserve/metric/lab.hpp"
 
 namespace segserve {
-
-/// CIE 1976 L*a*b*, reference white D65: L in [0, 100].
-struct Lab {
-  double l = 0, a = 0, b = 0;
-};
 
 /// From sRGB (IEC 61966-2-1), channels 0..255; means need not be whole.
 Lab srgb_to_lab(const Vec3& rgb);
 
-/// CIEDE2000 colour difference with k_L = k_C = k_H = 1 (Sharma, Wu, Dalal 2005, eq. 2 to 22).
+/// CIEDE2000 colour difference with k_L = k_C = k_H = 1 (Sharma, Wu, Dalal 2005, eq. 2 to 22). Many at once:
+/// MetricKernels.
 double ciede2000(const Lab& p, const Lab& q);
 
 /// R of eq. 4: the range of CIEDE2000 over all pairs of sRGB colours that the authors use.

@@ -1,8 +1,10 @@
 #include "segserve/metric/paper_metric.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 
 #include "segserve/math/symmetric3.hpp"
+#include "segserve/metric/kernels/kernels.hpp"
 #include "segserve/voxel/normals.hpp"
 
 namespace segserve {
@@ -33,44 +35,58 @@ Unification learn(const Options& options, std::span<const double> color, std::sp
 
 }  // namespace
 
-double geometric_term(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj) {
-  const Vec3 c = unit(xi - xj);
-  // Bracketed so that delta_G(i, j) and delta_G(j, i) are the same bits.
-  return (norm(cross(ni, nj)) + (std::fabs(dot(ni, c)) + std::fabs(dot(nj, c)))) / 3;
-}
-
-bool is_convex(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj) {
-  const Vec3 c = unit(xi - xj);
-  return dot(ni, c) - dot(nj, c) >= 0;
+double geometric_term(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, bool halve_convex) {
+  const Vec3 centroids[] = {xi, xj}, normals[] = {ni, nj};
+  const RegionEdge pair{0, 1};
+  double term = 0;
+  metric_kernels().geometric_terms({centroids, normals}, halve_convex, &pair, 1, &term);
+  return term;
 }
 
 PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Options& options, const StopToken& stop)
     : view_(view),
       convex_(uses_convexity(options.method)),
       min_points_(options.min_segment_points),
-      regions_(graph.regions) {
+      regions_(graph.regions),
+      centroid_(regions_.size()),
+      normal_(regions_.size()),
+      color_(regions_.size()) {
   StopCheck check(stop);
-  features_.resize(regions_.size());
-  check.for_each(0, regions_.size(), [&](std::size_t r) { features_[r] = features(regions_[r]); });
-  std::vector<double> color, geometry;
-  check.for_each(0, graph.edges.size(), [&](std::size_t e) {
-    const auto& [a, b] = graph.edges[e];
-    color.push_back(color_distance(a, b));
-    geometry.push_back(geometry_distance(a, b));
+  check.for_each(0, regions_.size(), [&](std::size_t r) { find_features(r); });
+  std::vector<double> color(graph.edges.size()), geometry(graph.edges.size());
+  check.for_each_block(0, graph.edges.size(), [&](std::size_t first, std::size_t last) {
+    const auto pairs = std::span(graph.edges).subspan(first, last - first);
+    color_distances(pairs, color.data() + first);
+    geometry_distances(pairs, geometry.data() + first);
   });
   unification_ = learn(options, color, geometry, stop);
 }
 
 double PaperMetric::dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence&) const {
-  return unification_(color_distance(i, j), geometry_distance(i, j));
+  const RegionEdge pair{i, j};
+  double result = 0;
+  dissimilarities({&pair, 1}, &result);
+  return result;
+}
+
+void PaperMetric::dissimilarities(std::span<const RegionEdge> pairs, double* result) const {
+  constexpr std::size_t kTogether = 64;
+  std::array<double, kTogether> color, geometry;
+  for (std::size_t first = 0; first < pairs.size(); first += kTogether) {
+    const auto some = pairs.subspan(first, std::min(kTogether, pairs.size() - first));
+    color_distances(some, color.data());
+    geometry_distances(some, geometry.data());
+    for (std::size_t i = 0; i < some.size(); ++i) result[first + i] = unification_(color[i], geometry[i]);
+  }
 }
 
 void PaperMetric::merge(std::uint32_t into, std::uint32_t from) {
   regions_[into].merge(regions_[from]);
-  features_[into] = features(regions_[into]);
+  find_features(into);
 }
 
-PaperMetric::Features PaperMetric::features(const Region& region) const {
+void PaperMetric::find_features(std::size_t r) {
+  const Region& region = regions_[r];
   Vec3 normal = smallest_eigenvector(region.scatter);
   if (normal == Vec3{}) normal = unit(region.normal_sum);  // too few voxels for a plane of its own
   if (view_.has_sensor()) {
@@ -78,18 +94,18 @@ PaperMetric::Features PaperMetric::features(const Region& region) const {
   } else if (dot(normal, region.normal_sum) < 0) {
     normal = -normal;
   }
-  return {normal, srgb_to_lab((1.0 / region.points) * region.color_sum)};
+  centroid_[r] = region.centroid;
+  normal_[r] = normal;
+  color_[r] = srgb_to_lab((1.0 / region.points) * region.color_sum);
 }
 
-double PaperMetric::color_distance(std::uint32_t i, std::uint32_t j) const {
-  return ciede2000(features_[i].color, features_[j].color) / kCiede2000Range;
+void PaperMetric::color_distances(std::span<const RegionEdge> pairs, double* result) const {
+  metric_kernels().color_differences(color_.data(), pairs.data(), pairs.size(), result);
+  for (std::size_t i = 0; i < pairs.size(); ++i) result[i] /= kCiede2000Range;
 }
 
-double PaperMetric::geometry_distance(std::uint32_t i, std::uint32_t j) const {
-  const Vec3 &xi = regions_[i].centroid, &xj = regions_[j].centroid;
-  const Vec3 &ni = features_[i].normal, &nj = features_[j].normal;
-  const double term = geometric_term(xi, ni, xj, nj);
-  return convex_ && is_convex(xi, ni, xj, nj) ? term / 2 : term;
+void PaperMetric::geometry_distances(std::span<const RegionEdge> pairs, double* result) const {
+  metric_kernels().geometric_terms({centroid_.data(), normal_.data()}, convex_, pairs.data(), pairs.size(), result);
 }
 
 }  // namespace segserve

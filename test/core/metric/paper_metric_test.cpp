@@ -26,8 +26,11 @@ TEST(GeometricTerm, IsDefinedWhereCentroidsCoincide) {
 
 TEST(Convexity, IsThatOfABoxEdgeAndNotOfACorner) {
   // Top and side face of a box, seen from outside; then floor and wall.
-  EXPECT_TRUE(is_convex({0, 0, 0}, kUp, {0.5, 0, -0.5}, kSide));
-  EXPECT_FALSE(is_convex({0, 0, 0}, kUp, {-0.5, 0, 0.5}, kSide));
+  const auto share = [](const Vec3& xi, const Vec3& xj) {
+    return geometric_term(xi, kUp, xj, kSide, true) / geometric_term(xi, kUp, xj, kSide);
+  };
+  EXPECT_EQ(share({0, 0, 0}, {0.5, 0, -0.5}), 0.5);
+  EXPECT_EQ(share({0, 0, 0}, {-0.5, 0, 0.5}), 1);
 }
 
 /// A flat square region of 3 x 3 voxels of one colour, normal to z or to x.

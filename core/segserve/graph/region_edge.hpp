@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cstdint>
+
+namespace segserve {
+
+/// Two regions that touch; a < b.
+struct RegionEdge {
+  std::uint32_t a = 0, b = 0;
+  bool operator==(const RegionEdge&) const = default;
+};
+
+}  // namespace segserve
