@@ -14,17 +14,16 @@ Filling::Filling(const VoxelAdjacency& adjacency, const Distance& distance, Stop
 /// the whole rest each time.
 void Filling::reach_the_rest() {
   trim_rest();
-  state_.claims.clear();
+  state_.layer.clear();
   ++state_.turn;
   check_.for_each(0, state_.rest.size(), [&](std::size_t i) { return 1 + claim_for_nearest(state_.rest[i]); });
   std::size_t begin = 0;
-  while (begin < state_.claims.size() && !check_.stopped()) {
-    const std::size_t end = state_.claims.size();
-    check_.for_each(begin, end,
-                    [&](std::size_t i) { state_.owner[state_.claims[i].voxel] = state_.claims[i].cluster; });
+  while (begin < state_.layer.size() && !check_.stopped()) {
+    const std::size_t end = state_.layer.size();
+    check_.for_each(begin, end, [&](std::size_t i) { state_.owner[state_.layer[i].voxel] = state_.layer[i].cluster; });
     check_.for_each(begin, end, [&](std::size_t i) {
       std::size_t work = 1;
-      for (const std::uint32_t u : adjacency_.of(state_.claims[i].voxel)) work += 1 + claim_for_nearest(u);
+      for (const std::uint32_t u : adjacency_.of(state_.layer[i].voxel)) work += 1 + claim_for_nearest(u);
       return work;
     });
     begin = end;
@@ -36,15 +35,15 @@ void Filling::adopt_components() {
     if (check_.after(1)) return;
     if (state_.owner[first] != kNobody) continue;
     const std::uint32_t c = state_.new_cluster();
-    state_.claims.assign(1, {first, c, 0});
+    state_.layer.assign(1, {first, c});
     state_.owner[first] = c;
-    for (std::size_t i = 0; i < state_.claims.size(); ++i) {
-      const auto neighbors = adjacency_.of(state_.claims[i].voxel);
+    for (std::size_t i = 0; i < state_.layer.size(); ++i) {
+      const auto neighbors = adjacency_.of(state_.layer[i].voxel);
       if (check_.after(1 + neighbors.size())) return;
       for (const std::uint32_t u : neighbors) {
         if (state_.owner[u] != kNobody) continue;
         state_.owner[u] = c;
-        state_.claims.push_back({u, c, 0});
+        state_.layer.push_back({u, c});
       }
     }
   }
@@ -59,12 +58,12 @@ std::size_t Filling::claim_for_nearest(std::uint32_t v) {
   for (const std::uint32_t u : neighbors) {
     const std::uint32_t c = state_.owner[u];
     if (c == kNobody) continue;
-    const float d = distance_(state_.clusters[c].centre, state_.voxels[v].feature);
+    const float d = distance_between(distance_, state_.clusters[c].centre, state_.voxels[v]);
     if (d < smallest || (d == smallest && c < nearest)) smallest = d, nearest = c;
   }
   if (nearest != kNobody) {
     state_.seen[v] = state_.turn;
-    state_.claims.push_back({v, nearest, 0});
+    state_.layer.push_back({v, nearest});
   }
   return neighbors.size();
 }

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "segserve/pipeline/stop_token.hpp"
-#include "segserve/supervoxel/distances.hpp"
 #include "segserve/supervoxel/state.hpp"
 #include "segserve/voxel/adjacency.hpp"
 
@@ -26,7 +25,7 @@ class Filling {
   void trim_rest();
 
   const VoxelAdjacency& adjacency_;
-  const Distance& distance_;
+  Distance distance_;
   StopCheck& check_;
   State& state_;
 };

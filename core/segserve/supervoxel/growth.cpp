@@ -16,7 +16,7 @@ void read_features(const VoxelGrid& grid, const std::vector<Vec3>& normals, cons
   StopCheck(stop).for_each(0, grid.size(), [&](std::size_t v) {
     const Vec3 position = position_scale * grid.centroid[v];
     const Vec3 color = (options.color_weight / 255 / grid.points[v]) * grid.color_sum[v];
-    state.voxels[v] = {growth::Feature::of(position, color, normals[v]), growth::kUnreached};
+    state.voxels[v] = growth::feature(position, color, normals[v]);
   });
 }
 
@@ -40,7 +40,7 @@ absl::Status grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjac
                               const Seeds& seeds, const SupervoxelOptions& options, const StopToken& stop,
                               GrowthScratch& scratch, Supervoxels& supervoxels) {
   const auto most_rounds = static_cast<int>(1.8 * options.seed_resolution / options.voxel_resolution + 1e-6) - 1;
-  const growth::Distance distance(static_cast<float>(options.normal_weight));
+  const growth::Distance distance{static_cast<float>(options.normal_weight), options.color_weight > 0};
   State& state = scratch.state();
   read_features(grid, normals, options, stop, state);
   if (absl::Status status = stop.check(); !status.ok()) return status;

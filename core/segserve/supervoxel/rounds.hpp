@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "segserve/pipeline/stop_token.hpp"
-#include "segserve/supervoxel/distances.hpp"
 #include "segserve/supervoxel/state.hpp"
 #include "segserve/voxel/adjacency.hpp"
 
@@ -28,20 +27,21 @@ class Rounds {
 
  private:
   void prefetch_turns_after(std::uint32_t c) const;
-  template <typename Measure>
-  void expand(std::uint32_t c, Measure&& measure);
-  template <typename Measure>
-  std::size_t find_claims(std::uint32_t c, Measure&& measure);
-  std::size_t drop_claims_that_do_not_touch(std::size_t claims);
-  bool touches(std::uint32_t v, std::uint32_t c) const;
-  std::size_t add_candidates_around(std::uint32_t v, std::uint32_t c, std::size_t fresh);
-  void take(const Claim& claim);
+  template <typename FindClaims>
+  void expand(std::uint32_t c, FindClaims&& find_claims);
+  template <typename FindClaims>
+  std::size_t split_candidates(const Turn& turn, FindClaims&& find_claims);
+  std::size_t count_neighbors(std::size_t begin, std::size_t end) const;
+  std::size_t drop_claims_that_do_not_touch(const Turn& turn, std::size_t claims);
+  void take(std::uint32_t c, std::size_t claims);
+  void add_candidates(const Turn& turn, std::size_t claims);
   bool move_centres();
 
   const VoxelAdjacency& adjacency_;
-  const Distance& distance_;
+  Distance distance_;
   StopCheck& check_;
   State& state_;
+  const Kernels& kernels_ = kernels();
 };
 
 }  // namespace segserve::growth

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <span>
 
 #include "segserve/math/elementary.hpp"
 #include "segserve/math/radix_sort.hpp"
@@ -11,9 +10,7 @@
 namespace segserve {
 namespace {
 
-struct CellIndex {
-  std::int32_t x, y, z;
-};
+using CellIndex = SeedScratch::Cell;
 
 /// The cells of a cubic grid between two corners as keys that sort by z, then y, then x, with as few bits as these
 /// take: a third of the passes of sorting 21 bits a coordinate.
@@ -47,50 +44,46 @@ class CellKeys {
   int x_bits_ = 0, y_bits_ = 0;
 };
 
-/// The voxels sorted by the seed cell that holds their centroid.
+/// The voxels by the seed cell that holds their centroid. What is sorted are runs of consecutive voxels in one cell, of
+/// which there are a fraction of the voxels.
 class SeedCells {
  public:
   SeedCells(const VoxelGrid& grid, double resolution, SeedScratch& scratch, StopCheck& check)
       : grid_(grid),
         resolution_(resolution),
         check_(check),
-        voxels_(scratch.voxels),
+        run_(scratch.run),
+        order_(scratch.order),
         cells_(scratch.cells),
         begin_(scratch.begin) {
-    find_keys();
-    scratch.cell_of_voxel.resize(grid.size());
-    check.for_each(0, grid.size(),
-                   [&](std::size_t v) { scratch.cell_of_voxel[v] = keys_.key(cell(grid.centroid[v])); });
-    math::sort_order(scratch.cell_of_voxel, voxels_, scratch.previous, check);
+    find_runs(scratch.cell_of_run);
+    scratch.keys.resize(run_.size() - 1);
+    check.for_each(0, scratch.keys.size(), [&](std::size_t r) { scratch.keys[r] = keys_.key(scratch.cell_of_run[r]); });
+    math::sort_order(scratch.keys, order_, scratch.previous, check);
     cells_.clear();
     begin_.clear();
-    check.for_each(0, voxels_.size(), [&](std::size_t i) {
-      const std::uint64_t key = scratch.cell_of_voxel[voxels_[i]];
+    check.for_each(0, order_.size(), [&](std::size_t i) {
+      const std::uint64_t key = scratch.keys[order_[i]];
       if (!cells_.empty() && cells_.back() == key) return;
       cells_.push_back(key);
       begin_.push_back(static_cast<std::uint32_t>(i));
     });
-    begin_.push_back(static_cast<std::uint32_t>(voxels_.size()));
+    begin_.push_back(static_cast<std::uint32_t>(order_.size()));
   }
 
   std::size_t size() const { return cells_.size(); }
-  std::span<const std::uint32_t> voxels(std::size_t c) const {
-    return std::span(voxels_).subspan(begin_[c], begin_[c + 1] - begin_[c]);
-  }
 
   std::uint32_t nearest_to_centre(std::size_t c) const {
     const auto middle = [&](std::int32_t index) { return (static_cast<double>(index) + 0.5) * resolution_; };
     const CellIndex index = keys_.cell(cells_[c]);
     const Vec3 centre{middle(index.x), middle(index.y), middle(index.z)};
-    const auto distance = [&](std::uint32_t v) {
+    std::uint32_t nearest = 0;
+    double smallest = std::numeric_limits<double>::infinity();
+    for_each_voxel(c, [&](std::uint32_t v) {
       const Vec3 d = grid_.centroid[v] - centre;
-      return dot(d, d);
-    };
-    std::uint32_t nearest = voxels(c)[0];
-    double smallest = distance(nearest);
-    check_.for_each(1, voxels(c).size(), [&](std::size_t i) {
-      const double d = distance(voxels(c)[i]);
-      if (d < smallest) smallest = d, nearest = voxels(c)[i];
+      const double distance = dot(d, d);
+      if (distance < smallest) smallest = distance, nearest = v;
+      return true;
     });
     return nearest;
   }
@@ -119,23 +112,43 @@ class SeedCells {
   }
 
  private:
+  /// each(v) for the voxels of cell c, ascending, until it returns false, or the work is stopped.
+  template <typename Each>
+  void for_each_voxel(std::size_t c, Each&& each) const {
+    for (std::size_t i = begin_[c]; i < begin_[c + 1]; ++i) {
+      const std::uint32_t first = run_[order_[i]], last = run_[order_[i] + 1];
+      for (std::uint32_t v = first; v < last; ++v) {
+        if (check_.after(1) || !each(v)) return;
+      }
+    }
+  }
+
   /// Adds the voxels of cell c that are within the radius of v to the count, until it exceeds the limit.
   bool exceeds(std::size_t c, std::uint32_t v, double radius, double limit, double& count) const {
-    for (const std::uint32_t u : voxels(c)) {
+    bool more = false;
+    for_each_voxel(c, [&](std::uint32_t u) {
       const Vec3 d = grid_.centroid[u] - grid_.centroid[v];
-      if (check_.after(1)) return false;
-      if (dot(d, d) <= radius * radius && ++count > limit) return true;
-    }
-    return false;
+      more = dot(d, d) <= radius * radius && ++count > limit;
+      return !more;
+    });
+    return more;
   }
-  void find_keys() {
+
+  /// The first voxels of all runs, and after them the number of voxels; the cells of the runs.
+  void find_runs(std::vector<CellIndex>& cell_of_run) {
     constexpr std::int32_t kLargest = std::numeric_limits<std::int32_t>::max();
     CellIndex low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
+    run_.clear();
+    cell_of_run.clear();
     check_.for_each(0, grid_.size(), [&](std::size_t v) {
       const CellIndex c = cell(grid_.centroid[v]);
+      if (!cell_of_run.empty() && c == cell_of_run.back()) return;
+      run_.push_back(static_cast<std::uint32_t>(v));
+      cell_of_run.push_back(c);
       low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
       high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
     });
+    run_.push_back(static_cast<std::uint32_t>(grid_.size()));
     if (low.x <= high.x) keys_ = CellKeys(low, high);
   }
 
@@ -151,7 +164,8 @@ class SeedCells {
   double resolution_;
   StopCheck& check_;
   CellKeys keys_;
-  std::vector<std::uint32_t>& voxels_;
+  std::vector<std::uint32_t>& run_;
+  std::vector<std::uint32_t>& order_;  // of the runs, by cell
   std::vector<std::uint64_t>& cells_;
   std::vector<std::uint32_t>& begin_;
 };

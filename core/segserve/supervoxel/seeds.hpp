@@ -17,8 +17,14 @@ struct Seeds {
 
 /// Buffers of `select_seeds` that are worth keeping between calls.
 struct SeedScratch {
-  std::vector<std::uint64_t> cell_of_voxel, cells;
-  std::vector<std::uint32_t> voxels, previous, begin;
+  struct Cell {
+    std::int32_t x, y, z;
+    bool operator==(const Cell&) const = default;
+  };
+  std::vector<std::uint32_t> run;  ///< the first voxels of runs of voxels in the same cell
+  std::vector<Cell> cell_of_run;
+  std::vector<std::uint64_t> keys, cells;
+  std::vector<std::uint32_t> order, previous, begin;
 };
 
 /// VCCS: in each occupied cell of a cubic grid of edge `seed_resolution` (metres, fixed origin), the

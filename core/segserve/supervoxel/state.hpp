@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "segserve/math/vec3.hpp"
+#include "segserve/supervoxel/kernels/kernels.hpp"
 
 // What growth keeps of voxels and clusters: of this folder alone.
 
@@ -14,36 +16,39 @@ namespace segserve::growth {
 inline constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
 inline constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
-/// What distances are measured on, scaled by the weights: position, colour, normal. In the order in which four of them
-/// are read at once.
-struct Feature {
-  float px, py, pz, nx, cr, cg, cb, ny, nz;
+/// From a position, colour and normal that are scaled by the weights.
+inline Feature feature(const Vec3& position, const Vec3& color, const Vec3& normal) {
+  const auto f = [](double v) { return static_cast<float>(v); };
+  return {f(position.x), f(position.y), f(position.z), f(normal.x),
+          f(normal.y),   f(normal.z),   kUnreached,    0,
+          f(color.x),    f(color.y),    f(color.z),    0};
+}
 
-  static Feature of(const Vec3& position, const Vec3& color, const Vec3& normal) {
-    const auto f = [](double v) { return static_cast<float>(v); };
-    return {f(position.x), f(position.y), f(position.z), f(normal.x), f(color.x),
-            f(color.y),    f(color.z),    f(normal.y),   f(normal.z)};
-  }
-};
-
-/// What a turn measures of a voxel, side by side: one cache line, mostly. Its owner and its last turn are arrays of
-/// their own, which nearly fit the first-level cache: turns look at those of many more voxels.
-struct Voxel {
-  Feature feature;
-  float distance;  // to the owner's centre when it took the voxel
-};
+/// The distance between two features, as the kernel find_claims measures it.
+inline float distance_between(const Distance& distance, const Feature& a, const Feature& b) {
+  const float px = a.px - b.px, py = a.py - b.py, pz = a.pz - b.pz;
+  const float cr = a.cr - b.cr, cg = a.cg - b.cg, cb = a.cb - b.cb;
+  const float cosine = a.nx * b.nx + a.ny * b.ny + a.nz * b.nz;
+  return std::sqrt(px * px + py * py + pz * pz) + std::sqrt(cr * cr + cg * cg + cb * cb) +
+         distance.normal_weight * (1.0F - std::fabs(cosine));
+}
 
 struct FeatureSum {
   Vec3 position, color, normal;
 
-  void add(const Feature& f, double sign) {
-    position += sign * Vec3{f.px, f.py, f.pz};
-    color += sign * Vec3{f.cr, f.cg, f.cb};
-    normal += sign * Vec3{f.nx, f.ny, f.nz};
+  void add(const Feature& f) {
+    position += Vec3{f.px, f.py, f.pz};
+    color += Vec3{f.cr, f.cg, f.cb};
+    normal += Vec3{f.nx, f.ny, f.nz};
+  }
+  void take_off(const Feature& f) {
+    position -= Vec3{f.px, f.py, f.pz};
+    color -= Vec3{f.cr, f.cg, f.cb};
+    normal -= Vec3{f.nx, f.ny, f.nz};
   }
   Feature mean(std::size_t count) const {
     const double scale = 1 / static_cast<double>(count);
-    return Feature::of(scale * position, scale * color, unit(normal));
+    return feature(scale * position, scale * color, unit(normal));
   }
 };
 
@@ -59,6 +64,13 @@ struct Cluster {
   bool changed_next = false;
   bool lost = false;  // a voxel, ever: until then all candidates touch it
 
+  /// Voxel v, whose feature is given, goes to another cluster.
+  void lose(std::uint32_t v, const Feature& feature) {
+    --count;
+    sum.take_off(feature);
+    candidates.push_back(v);
+    changed = changed_next = lost = true;
+  }
   /// As new, but the candidates keep their memory.
   void clear() {
     candidates.clear();
@@ -70,21 +82,21 @@ struct Cluster {
   }
 };
 
-/// A voxel that is about to change hands.
-struct Claim {
+/// A voxel that is about to become that of a cluster.
+struct Assignment {
   std::uint32_t voxel, cluster;
-  float distance;
 };
 
 /// Kept between calls for its memory.
 struct State {
-  std::vector<Voxel> voxels;         // V
+  std::vector<Feature> voxels;       // V: mostly one cache line each
   std::vector<std::uint32_t> owner;  // V: a cluster, or kNobody
   std::vector<std::uint32_t> seen;   // V: the last turn that had the voxel among its candidates
   std::uint32_t turn = 0;
   std::uint32_t cluster_count = 0;
   std::vector<Cluster> clusters;     // more than there are, so that their candidates keep their memory
-  std::vector<Claim> claims;         // of a turn, or of a layer
+  std::vector<Claim> claims;         // of a turn
+  std::vector<Assignment> layer;     // of voxels that the rounds did not reach
   std::vector<std::uint32_t> fresh;  // candidates that a turn adds
   std::vector<std::uint32_t> rest;   // voxels that the rounds did not reach
   std::vector<std::uint32_t> number;
