@@ -21,6 +21,7 @@ std::size_t byte_size(const Outgoing& outgoing);
 template <>
 class grpc::SerializationTraits<segserve::client::Outgoing> {
  public:
+  // NOLINTNEXTLINE(readability-identifier-naming): the name that gRPC looks for
   static grpc::Status Serialize(const segserve::client::Outgoing& outgoing, grpc::ByteBuffer* bytes, bool* own_buffer) {
     *bytes = segserve::client::serialise(outgoing);
     *own_buffer = true;
