@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 
 #include "segserve/math/elementary.hpp"
 
@@ -69,46 +68,24 @@ class EdgeIndex {
   std::array<Answer, 16> last_{};
 };
 
-/// Writes those of the voxels that are not of supervoxel s, and returns their number. Without branches, which would be
-/// mispredicted for a third of them.
-std::size_t find_foreign(std::span<const std::uint32_t> voxels, const std::uint32_t* supervoxel, std::uint32_t s,
-                         std::uint32_t* foreign) {
-  std::size_t count = 0;
-  for (const std::uint32_t u : voxels) {
-    foreign[count] = u;
-    count += static_cast<std::size_t>(supervoxel[u] != s);
-  }
-  return count;
-}
-
 }  // namespace
 
-std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels, double dead_zone,
-                                    const StopToken& stop) {
+void measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                     const Supervoxels& supervoxels, double dead_zone, const StopToken& stop,
+                     std::vector<Border>& borders) {
   StopCheck check(stop);
   EdgeIndex edges(graph, check);
-  std::vector<Border> borders(graph.edges.size());
+  borders.assign(graph.edges.size(), Border{});
   const Concavity concavity(dead_zone);
-  std::vector<std::uint32_t> across;
-  const auto measure_from = [&, of_voxel = supervoxels.of_voxel.data(), centroid = grid.centroid.data(),
-                             normal = normals.data()](std::size_t v) {
-    const auto larger = adjacency.after(static_cast<std::uint32_t>(v));
-    if (across.size() < larger.size()) across.resize(larger.size());
-    const std::uint32_t s = of_voxel[v];
-    const std::size_t count = find_foreign(larger, of_voxel, s, across.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::uint32_t u = across[i], t = of_voxel[u];
-      Border& border = borders[edges.find(std::min(s, t), std::max(s, t))];
-      border.voxel_pairs += 1;
-      const double angle = concavity(centroid[v], normal[v], centroid[u], normal[u]);
-      if (angle > 0) border.concavity += angle;
-    }
-    return 1 + larger.size();
-  };
-  check.for_each(0, grid.size(), measure_from);
+  check.for_each(0, graph.contacts.size(), [&](std::size_t c) {
+    const auto [v, u] = graph.contacts[c];
+    const std::uint32_t s = supervoxels.of_voxel[v], t = supervoxels.of_voxel[u];
+    Border& border = borders[edges.find(std::min(s, t), std::max(s, t))];
+    border.voxel_pairs += 1;
+    const double angle = concavity(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
+    if (angle > 0) border.concavity += angle;
+  });
   check.for_each(0, borders.size(), [&](std::size_t e) { borders[e].concavity /= borders[e].voxel_pairs; });
-  return borders;
 }
 
 }  // namespace segserve

@@ -15,8 +15,8 @@ struct Border {
 /// The border of every edge of the graph, in its order. A pair of voxels with normals n and centroids x is concave
 /// if (na - nb) . (xa - xb) < 0, by the angle of its normals; `dead_zone` (degrees) is taken off that. Where a
 /// normal is not defined the angle counts as 0. If stopped, the borders are useless.
-std::vector<Border> measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                    const std::vector<Vec3>& normals, const Supervoxels& supervoxels, double dead_zone,
-                                    const StopToken& stop = {});
+void measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                     const Supervoxels& supervoxels, double dead_zone, const StopToken& stop,
+                     std::vector<Border>& borders);
 
 }  // namespace segserve

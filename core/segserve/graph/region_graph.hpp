@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "segserve/graph/region_edge.hpp"
@@ -27,16 +28,29 @@ struct Region {
   void merge(const Region& other);
 };
 
+/// Neighbouring voxels of two supervoxels; v < u.
+struct Contact {
+  std::uint32_t v = 0, u = 0;
+};
+
 /// G^m of the paper: the supervoxels and which of them are adjacent, edges ascending by (a, b).
 struct RegionGraph {
   std::vector<Region> regions;  ///< m
   std::vector<RegionEdge> edges;
+  std::span<const Contact> contacts;  ///< all that edges stand for, ascending by (v, u); they are in the GraphScratch
+};
+
+/// Buffers of `build_region_graph` that are worth keeping between calls.
+struct GraphScratch {
+  std::vector<Contact> contacts;
+  std::vector<std::uint64_t> met;
+  std::vector<std::uint32_t> begin, next, larger, last_met;
 };
 
 /// Supervoxels are adjacent if a voxel of one is a neighbour of a voxel of the other.
 /// If stopped, the graph is useless.
-RegionGraph build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                               const Supervoxels& supervoxels, const View& view, double voxel_resolution,
-                               const StopToken& stop = {});
+void build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                        const Supervoxels& supervoxels, const View& view, double voxel_resolution,
+                        const StopToken& stop, GraphScratch& scratch, RegionGraph& graph);
 
 }  // namespace segserve

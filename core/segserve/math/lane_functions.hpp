@@ -115,7 +115,7 @@ SEGSERVE_INLINE Real atan2(Real y, Real x) {
   Real angle = steep ? kPi / 2 - unsteep : unsteep;
   angle = x < 0.0 ? kPi - angle : angle;
   angle = y < 0.0 ? -angle : angle;
-  return (ax == 0.0) & (ay == 0.0) ? Real{} : angle;
+  return ((ax == 0.0) & (ay == 0.0)) ? Real{} : angle;
 }
 
 }  // namespace

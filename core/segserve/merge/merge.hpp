@@ -4,7 +4,6 @@
 #include <concepts>
 #include <cstdint>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -109,14 +108,16 @@ class Merger {
     Link back_to(std::uint32_t r) const { return {r, below, dissimilarity, evidence}; }
   };
 
-  /// Equal dissimilarities: the smaller ids first.
+  /// Equal dissimilarities: the smaller ids first. Mostly the first comparison decides.
   struct Edge {
     Turn turn = Turn::kNever;
     double dissimilarity = 0;
     std::uint32_t a = 0, b = 0;
     bool operator==(const Edge&) const = default;
     bool operator<(const Edge& o) const {
-      return std::tie(turn, dissimilarity, a, b) < std::tie(o.turn, o.dissimilarity, o.a, o.b);
+      if (turn != o.turn) return turn < o.turn;
+      if (dissimilarity != o.dissimilarity) return dissimilarity < o.dissimilarity;
+      return a != o.a ? a < o.a : b < o.b;
     }
   };
 
@@ -180,44 +181,52 @@ class Merger {
     best_.set(q, Edge{});
     check_.after(2 * links_[p].size());
     measure_links(p);
-    for (const Link& to : links_[p]) replace_links(to, p, q);
+    for (std::size_t i = 0; i < links_[p].size(); ++i) replace_links(links_[p][i], p, q, had_q_[i] != 0);
     find_best(p);
   }
 
-  /// All neighbours of either region but themselves, ascending.
+  /// All neighbours of either region but themselves, ascending. `had_q_`: which of them q had a link to.
   void unite_links(std::uint32_t p, std::uint32_t q) {
     united_.clear();
-    std::ranges::merge(links_[p], links_[q], std::back_inserter(united_), {}, &Link::region, &Link::region);
-    std::vector<Link>& links = links_[p];
-    links.clear();
-    for (const Link& link : united_) {
-      if (link.region == p || link.region == q) continue;
-      if (!links.empty() && links.back().region == link.region) {
-        links.back().evidence += link.evidence;
-      } else {
-        links.push_back(link);
+    had_q_.clear();
+    const std::vector<Link>&of_p = links_[p], &of_q = links_[q];
+    for (auto i = of_p.begin(), j = of_q.begin(); i != of_p.end() || j != of_q.end();) {
+      const bool from_p = i != of_p.end() && (j == of_q.end() || i->region <= j->region);
+      const bool from_q = j != of_q.end() && (i == of_p.end() || j->region <= i->region);
+      const Link& link = from_p ? *i : *j;
+      if (link.region != p && link.region != q) {
+        united_.push_back(link);
+        if (from_p && from_q) united_.back().evidence += j->evidence;
+        had_q_.push_back(from_q);
       }
+      i += static_cast<std::ptrdiff_t>(from_p);
+      j += static_cast<std::ptrdiff_t>(from_q);
     }
+    links_[p].swap(united_);
   }
 
   /// In the list of the neighbour that `link` of region p leads to, one link back to p in place of
   /// those to p and q.
-  void replace_links(const Link& link, std::uint32_t p, std::uint32_t q) {
+  void replace_links(const Link& link, std::uint32_t p, std::uint32_t q, bool had_q) {
     const std::uint32_t n = link.region;
     std::vector<Link>& links = links_[n];
-    const auto at = [&](std::uint32_t region) { return std::ranges::lower_bound(links, region, {}, &Link::region); };
-    if (const auto old = at(q); old != links.end() && old->region == q) links.erase(old);
     const Link back = link.back_to(p);
-    if (const auto old = at(p); old != links.end() && old->region == p) {
-      *old = back;
-    } else {
-      links.insert(old, back);
+    auto at = std::ranges::lower_bound(links, p, {}, &Link::region);
+    if (had_q) {
+      const auto old = std::ranges::lower_bound(at, links.end(), q, {}, &Link::region);
+      if (at->region == p) {
+        links.erase(old);
+      } else {  // what stands between makes room
+        std::move_backward(at, old, old + 1);
+      }
     }
+    *at = back;
     const Edge& best = best_[n];
-    if (best.turn != Turn::kNever && (best.b == p || best.b == q)) {
-      find_best(n);
-    } else if (const Edge candidate = edge(n, back); n < p && candidate < best) {
+    const Edge candidate = n < p ? edge(n, back) : Edge{};
+    if (candidate < best) {
       best_.set(n, candidate);
+    } else if (best.turn != Turn::kNever && (best.b == p || best.b == q) && candidate != best) {
+      find_best(n);
     }
   }
 
@@ -226,8 +235,10 @@ class Merger {
     Edge best;
     const std::vector<Link>& links = links_[r];
     check_.after(links.size());
-    for (auto link = std::ranges::upper_bound(links, r, {}, &Link::region); link != links.end(); ++link) {
-      best = std::min(best, edge(r, *link));
+    for (auto link = links.rbegin(); link != links.rend() && link->region > r; ++link) {
+      if (!link->below && best.turn == Turn::kFirst) continue;
+      const Edge candidate = edge(r, *link);
+      if (candidate < best) best = candidate;
     }
     best_.set(r, best);
   }
@@ -239,6 +250,7 @@ class Merger {
   StopCheck check_;
   std::vector<std::vector<Link>> links_;
   std::vector<Link> united_;
+  std::vector<std::uint8_t> had_q_;
   std::vector<RegionEdge> pairs_;
   std::vector<Evidence> evidence_;
   std::vector<double> measured_;

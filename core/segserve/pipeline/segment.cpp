@@ -67,13 +67,11 @@ absl::StatusOr<MergeTree> merge_by_paper(const RegionGraph& graph, const View& v
 
 /// The dendrogram by what the borders between supervoxels look like.
 absl::StatusOr<MergeTree> merge_by_border(const RegionGraph& graph, const VoxelGrid& grid,
-                                          const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                                          const Supervoxels& supervoxels, const Options& options,
-                                          const StopToken& stop) {
+                                          const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
+                                          const Options& options, const StopToken& stop, std::vector<Border>& borders) {
   const BorderOptions constants;
   const SupervoxelOptions settings = supervoxel_options(options);
-  const std::vector<Border> borders =
-      measure_borders(graph, grid, adjacency, normals, supervoxels, constants.dead_zone, stop);
+  measure_borders(graph, grid, normals, supervoxels, constants.dead_zone, stop, borders);
   if (absl::Status status = stop.check(); !status.ok()) return status;
   const std::vector<BorderMetric::Evidence> evidence =
       border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, constants, stop);
@@ -145,6 +143,9 @@ struct Segmenter::Workspace {
   Seeds seeds;
   GrowthScratch growth;
   Supervoxels supervoxels;
+  GraphScratch graph_scratch;
+  RegionGraph graph;
+  std::vector<Border> borders;
   std::vector<PointLabels> labels;
 };
 
@@ -159,7 +160,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
-  auto& [scratch, grid, adjacency, normals_scratch, normals, seeding, seeds, growth, supervoxels, labels] = *workspace_;
+  auto& [scratch, grid, adjacency, normals_scratch, normals, seeding, seeds, growth, supervoxels, graph_scratch, graph,
+         borders, labels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -194,8 +196,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.supervoxels = watch.lap();
 
   // The region adjacency graph G^m.
-  const RegionGraph graph =
-      build_region_graph(grid, adjacency, normals, supervoxels, cloud.view, settings.voxel_resolution, stop);
+  build_region_graph(grid, adjacency, normals, supervoxels, cloud.view, settings.voxel_resolution, stop, graph_scratch,
+                     graph);
   result.supervoxel_normals.resize(graph.regions.size());
   StopCheck(stop).for_each(0, graph.regions.size(),
                            [&](std::size_t s) { result.supervoxel_normals[s] = graph.regions[s].normal_sum; });
@@ -204,7 +206,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
 
   // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
   absl::StatusOr<MergeTree> tree = options.method == Method::kBorder
-                                       ? merge_by_border(graph, grid, adjacency, normals, supervoxels, options, stop)
+                                       ? merge_by_border(graph, grid, normals, supervoxels, options, stop, borders)
                                        : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);

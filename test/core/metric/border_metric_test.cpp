@@ -124,7 +124,9 @@ TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
   Supervoxels s;
   const SupervoxelOptions options{0.01, 0.08, 0.2, 0.4, 1};
   ASSERT_TRUE(grow_supervoxels(grid, adjacency, normals, seeds, options, StopToken(), growth, s).ok());
-  const RegionGraph graph = build_region_graph(grid, adjacency, normals, s, cloud.view, 0.01);
+  GraphScratch scratch_of_graph;
+  RegionGraph graph;
+  build_region_graph(grid, adjacency, normals, s, cloud.view, 0.01, StopToken(), scratch_of_graph, graph);
 
   struct Sum {
     double pairs = 0, angles = 0;
@@ -141,7 +143,8 @@ TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
       if (concave && defined) sum.angles += std::max(0.0, angle - 4);
     }
   }
-  const std::vector<Border> borders = measure_borders(graph, grid, adjacency, normals, s, 4);
+  std::vector<Border> borders;
+  measure_borders(graph, grid, normals, s, 4, StopToken(), borders);
   ASSERT_EQ(borders.size(), expected.size());
   for (std::size_t e = 0; e < borders.size(); ++e) {
     const Sum& sum = expected.at({graph.edges[e].a, graph.edges[e].b});

@@ -133,7 +133,9 @@ void expect_each_adjacent_pair_once(const Stages& s, const View& view) {
     }
   }
   ASSERT_FALSE(expected.empty());
-  const RegionGraph graph = build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels, view, 0.008);
+  GraphScratch scratch;
+  RegionGraph graph;
+  build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels, view, 0.008, StopToken(), scratch, graph);
   ASSERT_EQ(graph.edges.size(), expected.size());
   EXPECT_TRUE(std::ranges::equal(graph.edges, expected, {}, [](const RegionEdge& e) { return std::pair(e.a, e.b); }));
 }
@@ -150,7 +152,9 @@ TEST(RegionGraph, HoldsEachAdjacentPairOfManyThousandsInOrder) {
 
 TEST(RegionGraph, SumsOfRegionsAreThoseOfTheirVoxelsAndSurviveMerging) {
   const Stages s = run(two_colored_patches());
-  const RegionGraph graph = build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels, View::camera(), 0.008);
+  GraphScratch scratch;
+  RegionGraph graph;
+  build_region_graph(s.grid, s.adjacency, s.normals, s.supervoxels, View::camera(), 0.008, StopToken(), scratch, graph);
   Region all = graph.regions[0];
   for (std::size_t r = 1; r < graph.regions.size(); ++r) all.merge(graph.regions[r]);
   Vec3 mean, color;

@@ -19,7 +19,11 @@ SEGSERVE_INLINE Int eight_of(const std::uint32_t* numbers, std::uint32_t at, std
 }
 
 SEGSERVE_INLINE Int gather(const std::uint32_t* from, Int of) {
+#if defined(__clang__)  // which names it otherwise
+  return __builtin_ia32_gatherd_d256(Int{}, reinterpret_cast<const int*>(from), of, ~Int{}, 4);
+#else
   return __builtin_ia32_gathersiv8si(Int{}, reinterpret_cast<const int*>(from), of, ~Int{}, 4);
+#endif
 }
 
 /// Whether the cluster owns a neighbour of v, which it does not own: eight of them at a time.
