@@ -32,10 +32,11 @@ void unite_parts(std::vector<VoxelPart>& parts, std::size_t points, unsigned thr
   StopCheck check(stop);
   std::vector<std::vector<std::uint32_t>> united(parts.size());
   for (std::size_t p = 1; p < parts.size(); ++p) {
-    const std::vector<VoxelSums>& voxels = parts[p].table.voxels();
+    const VoxelList& voxels = parts[p].table.voxels();
     united[p].assign(voxels.size() + 1, 0);
+    VoxelTable::Lookups lookups(parts[0].table, voxels.size());
     const bool complete = check.for_each(0, voxels.size(), [&](std::size_t s) {
-      const std::uint32_t slot = parts[0].table.find_or_insert(voxels[s].key, VoxelTable::hash(voxels[s].key));
+      const std::uint32_t slot = lookups.find_or_insert(voxels[s].key, VoxelTable::hash(voxels[s].key));
       parts[0].table.voxel(slot).add(voxels[s]);
       united[p][s + 1] = slot;
     });
@@ -53,7 +54,7 @@ void unite_parts(std::vector<VoxelPart>& parts, std::size_t points, unsigned thr
 
 /// The keys' coordinates from the smallest of each on, in as few bits as they need: sorts as the keys do, in three
 /// passes of the radix sort instead of six.
-void rank_keys(const std::vector<VoxelSums>& voxels, StopCheck& check, std::vector<std::uint64_t>& ranked) {
+void rank_keys(const VoxelList& voxels, StopCheck& check, std::vector<std::uint64_t>& ranked) {
   constexpr VoxelKey kMask = (VoxelKey{1} << kCellBits) - 1;
   const auto coordinate = [](VoxelKey key, std::size_t axis) {
     return key >> (static_cast<int>(axis) * kCellBits) & kMask;
@@ -74,7 +75,7 @@ void rank_keys(const std::vector<VoxelSums>& voxels, StopCheck& check, std::vect
   });
 }
 
-void sort_voxels(const std::vector<VoxelSums>& voxels, double unit, const StopToken& stop, VoxelizeScratch& scratch,
+void sort_voxels(const VoxelList& voxels, double unit, const StopToken& stop, VoxelizeScratch& scratch,
                  VoxelGrid& grid) {
   StopCheck check(stop);
   rank_keys(voxels, check, scratch.ranked);

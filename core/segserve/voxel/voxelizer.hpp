@@ -32,6 +32,7 @@ class RangeVoxelizer {
 
  private:
   static constexpr std::size_t kChunk = 512;
+  static_assert(kChunk <= PointSums::kMost);
   static constexpr std::size_t kRoom = 8;  // beyond the end of a chunk, for those who write in eights
 
   template <typename T>
@@ -39,10 +40,8 @@ class RangeVoxelizer {
 
   bool find_cells(std::size_t first, std::size_t count);
   void count_finite(std::size_t first, std::size_t count);
-  void sum_up(std::size_t first, std::size_t count);
-  std::size_t find_runs(std::size_t count);
+  std::size_t find_runs(std::size_t first, std::size_t count);
   void find_slots(std::size_t runs);
-  std::uint32_t add_run(std::size_t run);
 
   const CloudView& cloud_;
   const Selection& selection_;
@@ -53,9 +52,7 @@ class RangeVoxelizer {
 
   PerPoint<VoxelKey> keys_;
   PerPoint<std::int32_t> x_, y_, z_;  // fixed point
-  // Sums over the points of the chunk before each one. The three of a colour share a word: 512 times 255 is below 2^21.
-  PerPoint<std::int64_t> sum_x_, sum_y_, sum_z_;
-  PerPoint<std::uint64_t> sum_color_{};
+  PerPoint<PointSums> sums_;          // of the points before each run
   PerPoint<std::uint32_t> run_begin_, hash_, slots_;
 };
 

@@ -1,0 +1,98 @@
+// Part of the kernels; see math/lanes.hpp. Runs of points in the same cell and the sums over them, which are
+// differences of running sums: no loop of a run's length, which nobody can predict. With x, y, z and colour of a point
+// in four lanes, 1.9 -> 1.1 ns a point.
+#pragma once
+
+#include "segserve/math/lanes.hpp"
+#include "segserve/voxel/kernels/kernels.hpp"
+
+namespace segserve::SEGSERVE_KERNELS {
+namespace {
+
+constexpr int kGreen = PointSums::kColorBits, kRed = 2 * kGreen;
+
+SEGSERVE_INLINE void add_point(const RunInput& in, std::size_t i, PointSums& sum) {
+  sum.x += in.x[i];
+  sum.y += in.y[i];
+  sum.z += in.z[i];
+  if (in.rgb == nullptr) return;
+  const std::uint64_t rgb = in.rgb[i];
+  sum.color += (rgb & 0xff) | (rgb & 0xff00) << (kGreen - 8) | (rgb & 0xff0000) << (kRed - 16);
+}
+
+#if defined(__AVX2__)
+
+using Long = std::int64_t __attribute__((vector_size(32)));
+using Int4 = std::int32_t __attribute__((vector_size(16)));
+
+/// Four points, each with x, y, z and colour side by side.
+SEGSERVE_INLINE void load_points(const RunInput in, std::size_t i, Long (&points)[4]) {
+  // Left to the compiler, four numbers become longer two by two.
+  const auto longer = [i](const std::int32_t* of) SEGSERVE_INLINE_LAMBDA {
+    return reinterpret_cast<Long>(__builtin_ia32_pmovsxdq256(load<Int4>(of + i)));
+  };
+  const Long x = longer(in.x), y = longer(in.y), z = longer(in.z);
+  Long color{};
+  if (in.rgb != nullptr) {
+    using Byte = std::uint8_t __attribute__((vector_size(32)));
+    static_assert(kGreen == 24);  // bytes 0, 1, 2 become bytes 0, 3, 6
+    color = reinterpret_cast<Long>(__builtin_ia32_pmovzxdq256(load<Int4>(in.rgb + i))) & 0xffffff;
+    color = reinterpret_cast<Long>(__builtin_shuffle(
+        reinterpret_cast<Byte>(color), Byte{0,  3,  3,  1,  3,  3,  2,  3,  8,  11, 11, 9,  11, 11, 10, 11,
+                                            16, 19, 19, 17, 19, 19, 18, 19, 24, 27, 27, 25, 27, 27, 26, 27}));
+  }
+  const Long xy02 = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy13 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
+  const Long zc02 = __builtin_shufflevector(z, color, 0, 4, 2, 6), zc13 = __builtin_shufflevector(z, color, 1, 5, 3, 7);
+  points[0] = __builtin_shufflevector(xy02, zc02, 0, 1, 4, 5);
+  points[1] = __builtin_shufflevector(xy13, zc13, 0, 1, 4, 5);
+  points[2] = __builtin_shufflevector(xy02, zc02, 2, 3, 6, 7);
+  points[3] = __builtin_shufflevector(xy13, zc13, 2, 3, 6, 7);
+}
+
+/// All points but the last few. What a run ends with is written after each point: the last one's stays.
+SEGSERVE_INLINE std::size_t sum_up_fours(const RunInput in, std::size_t count, std::size_t& found,
+                                         const RunOutput out) {
+  std::size_t i = 0, runs = 0;
+  Long sum{}, before = Long{} + static_cast<std::int64_t>(~in.keys[0]);
+  for (; i + 4 <= count; i += 4) {
+    const Long keys = load<Long>(in.keys + i);
+    const Long previous = __builtin_shufflevector(before, keys, 3, 4, 5, 6);
+    before = keys;
+    const int starts = __builtin_ia32_movmskpd256(reinterpret_cast<Real>(keys != previous));
+    Long points[4];
+    load_points(in, i, points);
+#pragma GCC unroll 4
+    for (std::size_t k = 0; k < 4; ++k) {
+      runs += static_cast<std::size_t>(starts >> k & 1);
+      sum += points[k];
+      store(sum, &out.sums[runs].x);
+      out.ends[runs] = static_cast<std::uint32_t>(i + k + 1);
+    }
+  }
+  found = runs;
+  return i;
+}
+
+#else
+
+SEGSERVE_INLINE std::size_t sum_up_fours(const RunInput&, std::size_t, std::size_t&, const RunOutput&) { return 0; }
+
+#endif
+
+std::size_t find_runs(const RunInput& in, std::size_t count, const RunOutput& out) {
+  out.sums[0] = {};
+  out.ends[0] = 0;
+  std::size_t runs = 0;
+  std::size_t i = sum_up_fours(in, count, runs, out);
+  PointSums sum = out.sums[runs];
+  for (; i < count; ++i) {
+    runs += static_cast<std::size_t>(i == 0 || in.keys[i] != in.keys[i - 1]);
+    add_point(in, i, sum);
+    out.sums[runs] = sum;
+    out.ends[runs] = static_cast<std::uint32_t>(i + 1);
+  }
+  return runs;
+}
+
+}  // namespace
+}  // namespace segserve::SEGSERVE_KERNELS
