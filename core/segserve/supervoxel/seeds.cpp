@@ -59,7 +59,7 @@ class SeedCells {
     find_runs(scratch.cell_of_run);
     scratch.keys.resize(run_.size() - 1);
     check.for_each(0, scratch.keys.size(), [&](std::size_t r) { scratch.keys[r] = keys_.key(scratch.cell_of_run[r]); });
-    math::sort_order(scratch.keys, order_, scratch.previous, check);
+    math::sort_order(scratch.keys, order_, scratch.sort, check);
     cells_.clear();
     begin_.clear();
     check.for_each(0, order_.size(), [&](std::size_t i) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "segserve/cloud/cloud.hpp"
+#include "segserve/math/radix_sort.hpp"
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
@@ -24,7 +25,8 @@ struct SeedScratch {
   std::vector<std::uint32_t> run;  ///< the first voxels of runs of voxels in the same cell
   std::vector<Cell> cell_of_run;
   std::vector<std::uint64_t> keys, cells;
-  std::vector<std::uint32_t> order, previous, begin;
+  std::vector<std::uint32_t> order, begin;
+  math::SortScratch sort;
 };
 
 /// VCCS: in each occupied cell of a cubic grid of edge `seed_resolution` (metres, fixed origin), the

@@ -78,7 +78,8 @@ void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const Stop
   adjacency.offset[0] = 0;
   std::size_t found = 0;
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    if (found + kMostNeighbors + NeighborSearch::kSurplus > neighbor.size()) neighbor.resize(neighbor.size() + neighbor.size() / 2 + 4096);
+    if (found + kMostNeighbors + NeighborSearch::kSurplus > neighbor.size())
+      neighbor.resize(neighbor.size() + neighbor.size() / 2 + 4096);
     const std::uint32_t* const end = search.find(static_cast<std::uint32_t>(v), neighbor.data() + found);
     const std::size_t before = std::exchange(found, static_cast<std::size_t>(end - neighbor.data()));
     adjacency.offset[v + 1] = static_cast<std::uint32_t>(found);

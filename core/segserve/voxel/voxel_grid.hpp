@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "segserve/cloud/cloud.hpp"
+#include "segserve/math/radix_sort.hpp"
 #include "segserve/math/vec3.hpp"
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/selection.hpp"
@@ -43,6 +44,7 @@ struct VoxelizeScratch {
   std::vector<VoxelPart> parts;       ///< of each thread
   std::vector<std::uint64_t> ranked;  ///< V: keys without the bits that all share
   std::vector<std::uint32_t> order;   ///< V
+  math::SortScratch sort;
 };
 
 /// Sorts the finite points of the selection into voxels of edge `resolution` (metres; in a CAMERA view the cells are

@@ -62,6 +62,19 @@ TEST(Voxelize, EqualsAnOrderedMapOfCells) {
   EXPECT_TRUE(std::ranges::is_sorted(grid.key));
 }
 
+TEST(Voxelize, SumsOfManyPointsAreExact) {
+  Cloud cloud = test::unorganised();
+  constexpr std::uint32_t kPoints = 100'003;
+  for (std::uint32_t i = 0; i < kPoints; ++i)
+    test::add(cloud, -1500.005F, 900.005F, 1.005F, 0xffffffff - 0x200 * (i % 2));
+  const VoxelGrid grid = run(cloud).grid;
+  ASSERT_EQ(grid.size(), 1U);
+  EXPECT_EQ(grid.points[0], kPoints);
+  EXPECT_EQ(grid.color_sum[0], (Vec3{255.0 * kPoints, 254.0 * kPoints + 1, 255.0 * kPoints}));
+  EXPECT_NEAR(grid.centroid[0].x, -1500.005F, 2e-6);
+  EXPECT_NEAR(grid.centroid[0].y, 900.005F, 2e-6);
+}
+
 TEST(Voxelize, CameraCellsGrowWithTheDistance) {
   // At twice the distance the same angle covers twice the length: as many voxels along x.
   for (const float z : {0.8F, 1.6F, 3.2F}) {

@@ -68,8 +68,8 @@ struct CellOutput {
 
 /// Sums over points: exact. The three colours share a word, enough for kMost points.
 struct alignas(32) PointSums {
-  static constexpr int kColorBits = 24;
-  static constexpr std::size_t kMost = (std::size_t{1} << kColorBits) / 256;
+  static constexpr int kColorBits = 21;
+  static constexpr std::size_t kMost = std::size_t{1} << (kColorBits - 8);
   std::int64_t x, y, z;
   std::uint64_t color;  ///< red, green, blue, from the highest bits to the lowest
 };

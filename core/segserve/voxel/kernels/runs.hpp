@@ -9,15 +9,18 @@
 namespace segserve::SEGSERVE_KERNELS {
 namespace {
 
-constexpr int kGreen = PointSums::kColorBits, kRed = 2 * kGreen;
+/// Colours, each in a word: all channels get bits to add up in.
+template <typename Word>
+SEGSERVE_INLINE Word spread(Word rgb) {
+  constexpr int kBits = PointSums::kColorBits;
+  return (rgb & 0xff) | (rgb & 0xff00) << (kBits - 8) | (rgb & 0xff0000) << (2 * kBits - 16);
+}
 
 SEGSERVE_INLINE void add_point(const RunInput& in, std::size_t i, PointSums& sum) {
   sum.x += in.x[i];
   sum.y += in.y[i];
   sum.z += in.z[i];
-  if (in.rgb == nullptr) return;
-  const std::uint64_t rgb = in.rgb[i];
-  sum.color += (rgb & 0xff) | (rgb & 0xff00) << (kGreen - 8) | (rgb & 0xff0000) << (kRed - 16);
+  if (in.rgb != nullptr) sum.color += spread<std::uint64_t>(in.rgb[i]);
 }
 
 #if defined(__AVX2__)
@@ -33,14 +36,7 @@ SEGSERVE_INLINE void load_points(const RunInput in, std::size_t i, Long (&points
   };
   const Long x = longer(in.x), y = longer(in.y), z = longer(in.z);
   Long color{};
-  if (in.rgb != nullptr) {
-    using Byte = std::uint8_t __attribute__((vector_size(32)));
-    static_assert(kGreen == 24);  // bytes 0, 1, 2 become bytes 0, 3, 6
-    color = reinterpret_cast<Long>(__builtin_ia32_pmovzxdq256(load<Int4>(in.rgb + i))) & 0xffffff;
-    color = reinterpret_cast<Long>(__builtin_shuffle(
-        reinterpret_cast<Byte>(color), Byte{0,  3,  3,  1,  3,  3,  2,  3,  8,  11, 11, 9,  11, 11, 10, 11,
-                                            16, 19, 19, 17, 19, 19, 18, 19, 24, 27, 27, 25, 27, 27, 26, 27}));
-  }
+  if (in.rgb != nullptr) color = spread(reinterpret_cast<Long>(__builtin_ia32_pmovzxdq256(load<Int4>(in.rgb + i))));
   const Long xy02 = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy13 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
   const Long zc02 = __builtin_shufflevector(z, color, 0, 4, 2, 6), zc13 = __builtin_shufflevector(z, color, 1, 5, 3, 7);
   points[0] = __builtin_shufflevector(xy02, zc02, 0, 1, 4, 5);
