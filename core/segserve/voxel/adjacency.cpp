@@ -68,6 +68,16 @@ class NeighborSearch {
   std::array<std::uint32_t, 9> pointer_{};
 };
 
+/// Room for the neighbours of all voxels if they have as many as those before v, and for some more in any case. Not
+/// twice the room, again and again: of large clouds the neighbours are the most memory of all.
+void grow(std::size_t v, std::size_t voxels, std::size_t found, std::vector<std::uint32_t>& neighbor) {
+  constexpr std::size_t kUsual = 16, kLeastMore = 4096;
+  const std::size_t expected = v < kLeastMore ? kUsual * voxels : found / v * voxels + voxels;
+  const std::size_t size = std::max(expected, found + found / 16) + kLeastMore;
+  neighbor.reserve(size);  // exactly
+  neighbor.resize(size);
+}
+
 }  // namespace
 
 void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const StopToken& stop) {
@@ -78,8 +88,7 @@ void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const Stop
   adjacency.offset[0] = 0;
   std::size_t found = 0;
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    if (found + kMostNeighbors + NeighborSearch::kSurplus > neighbor.size())
-      neighbor.resize(neighbor.size() + neighbor.size() / 2 + 4096);
+    if (found + kMostNeighbors + NeighborSearch::kSurplus > neighbor.size()) grow(v, grid.size(), found, neighbor);
     const std::uint32_t* const end = search.find(static_cast<std::uint32_t>(v), neighbor.data() + found);
     const std::size_t before = std::exchange(found, static_cast<std::size_t>(end - neighbor.data()));
     adjacency.offset[v + 1] = static_cast<std::uint32_t>(found);
