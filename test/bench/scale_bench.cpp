@@ -1,19 +1,26 @@
-// How time and memory grow with the number of points, on one core. Run: scale_bench [POINTS ..]
+// How time and memory grow with the number of points, on one core. Run: scale_bench [--density D] [POINTS ..]
 //
-// Synthetic tabletops side by side in one unorganised WORLD cloud, by default 100,000 to 10 million points. The
-// exponent is that of the power law through the first and the last. Workspace is what was allocated at most, beyond
-// input and result; it counts every allocation of the program.
+// Fused rooms in one unorganised WORLD cloud, by default 100,000 to 10 million points; 30000000 is worth a run, too. D
+// is about how many points a voxel shall have. By default it is 8.4, as on OSD frames at the default voxels (199,001
+// finite points in 23,788 voxels of learn5); with fewer, voxels decide the time, with more, points do. The exponent is
+// that of the power law through the first size from 300,000 points on and the last.
+//
+// The first call of a Segmenter is cold: memory comes from the system. Later ones are warm, and of these the fastest of
+// three counts. Workspace is what the first one allocated at most, beyond input and result; it counts every allocation
+// of the program.
 #include <malloc.h>
 
 #include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <iterator>
 #include <new>
 #include <numeric>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "fmt/format.h"
@@ -24,10 +31,7 @@ namespace {
 
 std::atomic<std::int64_t> live_bytes{0}, peak_bytes{0};
 
-}  // namespace
-
-void* operator new(std::size_t bytes) {
-  void* memory = std::malloc(bytes);
+void* counted(void* memory) {
   if (memory == nullptr) throw std::bad_alloc();
   const std::int64_t live = live_bytes += static_cast<std::int64_t>(malloc_usable_size(memory));
   std::int64_t peak = peak_bytes;
@@ -36,123 +40,165 @@ void* operator new(std::size_t bytes) {
   return memory;
 }
 
+}  // namespace
+
+void* operator new(std::size_t bytes) { return counted(std::malloc(bytes)); }
+
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  const auto unit = static_cast<std::size_t>(alignment);
+  return counted(std::aligned_alloc(unit, (bytes + unit - 1) / unit * unit));
+}
+
 void operator delete(void* memory) noexcept {
   if (memory != nullptr) live_bytes -= static_cast<std::int64_t>(malloc_usable_size(memory));
   std::free(memory);
 }
 
 void operator delete(void* memory, std::size_t) noexcept { operator delete(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { operator delete(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { operator delete(memory); }
 
 namespace segserve::bench {
 namespace {
 
-constexpr double kPointsPerSize = 3.75e6;  // of a room of size 1: 2.8 mm apart, eight in a voxel as on an OSD frame
-constexpr double kLeastSize = 0.7;
-constexpr std::size_t kMostAtOnce = 15'000'000;
+constexpr double kUsualDensity = 8.4;
+constexpr double kRoomSize = 0.7;
+constexpr double kRoomVoxels = 297e3;  // of lambda-convex; from 1.8 to 3.7 million points they are the same by 1 %
 
-/// A room of this many points, or the middle of one that is larger.
-Cloud room(std::size_t points) {
+/// A room with so many points in a voxel.
+Cloud whole_room(double density) {
   synth::RoomOptions options;
-  options.size = std::max(kLeastSize, std::sqrt(static_cast<double>(points) / kPointsPerSize));
-  options.points = static_cast<std::uint32_t>(std::lround(kPointsPerSize * options.size * options.size));
-  const Cloud all = synth::make_fused_room(options).value().cloud;
-  std::vector<std::uint32_t> order(all.size());
-  std::iota(order.begin(), order.end(), 0U);
-  const auto distance = [&](std::uint32_t i) { return std::max(std::abs(all.x[i]), std::abs(all.y[i])); };
-  points = std::min(points, all.size());
-  std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(points - 1), {}, distance);
-  order.resize(points);
-  std::ranges::sort(order);  // the order in which a scanner would give them
-  Cloud middle;
-  middle.resize(points, true);
-  for (std::size_t i = 0; i < points; ++i) {
-    middle.x[i] = all.x[order[i]], middle.y[i] = all.y[order[i]], middle.z[i] = all.z[order[i]];
-    middle.rgb[i] = all.rgb[order[i]];
+  options.size = kRoomSize;
+  options.points = static_cast<std::uint32_t>(std::lround(kRoomVoxels * density));
+  auto scene = synth::make_fused_room(options);
+  if (!scene.ok()) {
+    fmt::print(stderr, "scale_bench: {}\n", std::string(scene.status().message()));
+    std::exit(2);
   }
-  middle.view = all.view;
-  return middle;
+  return std::move(scene->cloud);
 }
 
-/// One room, or several of kMostAtOnce side by side.
-Cloud rooms(std::size_t points) {
-  const std::size_t count = (points + kMostAtOnce - 1) / kMostAtOnce;
-  const Cloud one = room(points / count);
-  const float width = 2 * std::ranges::max(one.x) + 1;
+/// Four sectors of a room, from its middle to its walls: so many points, and as much of everything as the room has. In
+/// the order in which a scanner would give them.
+std::vector<std::uint32_t> sectors(const Cloud& room, std::size_t points) {
+  constexpr float kTurn = 6.2831853F;
+  std::vector<std::uint32_t> order(room.size());
+  std::iota(order.begin(), order.end(), 0U);
+  const auto angle = [&](std::uint32_t i) { return std::fmod(std::atan2(room.y[i], room.x[i]) + kTurn, kTurn / 4); };
+  std::ranges::nth_element(order, order.begin() + static_cast<std::ptrdiff_t>(points - 1), {}, angle);
+  order.resize(points);
+  std::ranges::sort(order);
+  return order;
+}
+
+/// As many rooms side by side as it takes: the same mix of surfaces, and the same density, whatever the size.
+Cloud rooms(const Cloud& room, std::size_t points) {
+  const std::size_t count = (points + room.size() - 1) / room.size();
+  const std::vector<std::uint32_t> taken = sectors(room, points / count);
+  const float width = 2 * std::ranges::max(room.x) + 1;
   Cloud all;
-  all.view = one.view;
+  all.view = room.view;
+  all.resize(count * taken.size(), true);
+  std::size_t at = 0;
   for (std::size_t r = 0; r < count; ++r) {
-    std::ranges::transform(one.x, std::back_inserter(all.x),
-                           [&](float x) { return x + width * static_cast<float>(r); });
-    all.y.insert(all.y.end(), one.y.begin(), one.y.end());
-    all.z.insert(all.z.end(), one.z.begin(), one.z.end());
-    all.rgb.insert(all.rgb.end(), one.rgb.begin(), one.rgb.end());
+    for (const std::uint32_t i : taken) {
+      all.x[at] = room.x[i] + width * static_cast<float>(r);
+      all.y[at] = room.y[i], all.z[at] = room.z[i], all.rgb[at] = room.rgb[i];
+      ++at;
+    }
   }
-  all.width = static_cast<std::uint32_t>(all.x.size());
+  all.width = static_cast<std::uint32_t>(all.size());
   all.height = 1;
   return all;
 }
 
 struct Measured {
   std::size_t voxels = 0;
-  double ms = 0;               ///< the fastest of three calls
-  double workspace_bytes = 0;  ///< of the first call
+  double cold_ms = 0;
+  StageTimings warm;
+  double workspace_bytes = 0;
 };
 
 Measured measure(const CloudView& cloud, Method method) {
+  constexpr int kCalls = 4;
   Options options;
   options.method = method;
   Segmenter segmenter;
-  Measured measured{.voxels = 0, .ms = 1e300, .workspace_bytes = 0};
-  for (int call = 0; call < 3; ++call) {
+  Measured measured;
+  for (int call = 0; call < kCalls; ++call) {
     const std::int64_t before = live_bytes;
     peak_bytes = before;
-    const auto start = std::chrono::steady_clock::now();
     const auto result = segmenter.segment(cloud, options);
-    const auto end = std::chrono::steady_clock::now();
     if (!result.ok()) {
       fmt::print(stderr, "scale_bench: {}\n", std::string(result.status().message()));
       std::exit(1);
     }
-    measured.ms = std::min(measured.ms, std::chrono::duration<double, std::milli>(end - start).count());
+    const StageTimings& timings = result->timings;
+    if (call == 0) {
+      const std::size_t output = 2 * sizeof(std::uint32_t) * cloud.size();
+      measured.workspace_bytes = static_cast<double>(peak_bytes - before) - static_cast<double>(output);
+      measured.cold_ms = timings.total;
+    } else if (call == 1 || timings.total < measured.warm.total) {
+      measured.warm = timings;
+    }
     measured.voxels = result->voxels;
-    const std::size_t output = 2 * sizeof(std::uint32_t) * cloud.size();
-    if (call == 0) measured.workspace_bytes = static_cast<double>(peak_bytes - before) - static_cast<double>(output);
   }
   return measured;
 }
 
-void run(Method method, const std::vector<std::size_t>& sizes) {
-  fmt::print("| {}, points | voxels | ms | ns a point | workspace, bytes a point |\n| --- | --- | --- | --- | --- |\n",
-             name(method));
-  std::vector<double> times;
-  for (const std::size_t points : sizes) {
-    const Cloud cloud = rooms(points);
-    const Measured measured = measure(cloud, method);
+void run(Method method, const std::vector<Cloud>& clouds) {
+  fmt::print(
+      "| {}, points | a voxel | voxels | normals | supervoxels | graph | merging | labels | ms | ns a point | cold ms "
+      "| "
+      "workspace, bytes a point |\n",
+      name(method));
+  fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  constexpr std::size_t kLeastOfExponent = 300'000;  // below, everything fits the caches
+  std::vector<std::pair<double, double>> logarithms;
+  for (const Cloud& cloud : clouds) {
+    const Measured m = measure(cloud, method);
     const auto n = static_cast<double>(cloud.size());
-    fmt::print("| {} | {} | {:.1f} | {:.1f} | {:.0f} |\n", cloud.size(), measured.voxels, measured.ms,
-               1e6 * measured.ms / n, measured.workspace_bytes / n);
+    fmt::print(
+        "| {} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.0f} |\n",
+        cloud.size(), n / static_cast<double>(m.voxels), m.warm.voxels, m.warm.normals, m.warm.supervoxels,
+        m.warm.graph, m.warm.merging, m.warm.labels, m.warm.total, 1e6 * m.warm.total / n, m.cold_ms,
+        m.workspace_bytes / n);
     std::fflush(stdout);
-    times.push_back(measured.ms);
+    if (cloud.size() >= kLeastOfExponent) logarithms.emplace_back(std::log(n), std::log(m.warm.total));
   }
-  if (sizes.size() > 1) {
-    const double exponent = std::log(times.back() / times.front()) /
-                            std::log(static_cast<double>(sizes.back()) / static_cast<double>(sizes.front()));
-    fmt::print("\nexponent of the time: {:.2f}\n\n", exponent);
+  if (logarithms.size() > 1) {
+    const auto [n0, t0] = logarithms.front();
+    const auto [n1, t1] = logarithms.back();
+    fmt::print("\nexponent of the time: {:.2f}\n\n", (t1 - t0) / (n1 - n0));
   }
+}
+
+/// False: it is no positive number.
+template <typename Number>
+bool read(std::string_view text, Number& number) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() && number > 0;
 }
 
 }  // namespace
 }  // namespace segserve::bench
 
 int main(int argc, char** argv) {
+  double density = segserve::bench::kUsualDensity;
   std::vector<std::size_t> sizes;
-  for (int i = 1; i < argc; ++i) sizes.push_back(std::strtoull(argv[i], nullptr, 10));
-  if (std::ranges::find(sizes, 0U) != sizes.end()) {
-    fmt::print(stderr, "scale_bench: POINTS must be positive numbers\n");
-    return 2;
+  for (int i = 1; i < argc; ++i) {
+    const bool is_density = std::string_view(argv[i]) == "--density";
+    if (is_density ? ++i == argc || !segserve::bench::read(argv[i], density)
+                   : !segserve::bench::read(argv[i], sizes.emplace_back())) {
+      fmt::print(stderr, "usage: scale_bench [--density POINTS_A_VOXEL] [POINTS ..], positive numbers\n");
+      return 2;
+    }
   }
   if (sizes.empty()) sizes = {100'000, 300'000, 1'000'000, 3'000'000, 10'000'000};
+  const segserve::Cloud room = segserve::bench::whole_room(density);
+  std::vector<segserve::Cloud> clouds;
+  for (const std::size_t points : sizes) clouds.push_back(segserve::bench::rooms(room, points));
   for (const auto method : {segserve::Method::kLambdaConvex, segserve::Method::kBorder}) {
-    segserve::bench::run(method, sizes);
+    segserve::bench::run(method, clouds);
   }
 }
