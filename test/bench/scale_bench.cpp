@@ -197,6 +197,7 @@ int main(int argc, char** argv) {
   if (sizes.empty()) sizes = {100'000, 300'000, 1'000'000, 3'000'000, 10'000'000};
   const segserve::Cloud room = segserve::bench::whole_room(density);
   std::vector<segserve::Cloud> clouds;
+  clouds.reserve(sizes.size());
   for (const std::size_t points : sizes) clouds.push_back(segserve::bench::rooms(room, points));
   for (const auto method : {segserve::Method::kLambdaConvex, segserve::Method::kBorder}) {
     segserve::bench::run(method, clouds);

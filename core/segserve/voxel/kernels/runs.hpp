@@ -28,15 +28,29 @@ SEGSERVE_INLINE void add_point(const RunInput& in, std::size_t i, PointSums& sum
 using Long = std::int64_t __attribute__((vector_size(32)));
 using Int4 = std::int32_t __attribute__((vector_size(16)));
 
+/// Left to GCC 12, four numbers become longer two by two.
+SEGSERVE_INLINE Long signed_longer(Int4 v) {
+#if defined(__clang__)
+  return __builtin_convertvector(v, Long);
+#else
+  return reinterpret_cast<Long>(__builtin_ia32_pmovsxdq256(v));
+#endif
+}
+SEGSERVE_INLINE Long unsigned_longer(Int4 v) {
+#if defined(__clang__)
+  using Word4 = std::uint32_t __attribute__((vector_size(16)));
+  return __builtin_convertvector(reinterpret_cast<Word4>(v), Long);
+#else
+  return reinterpret_cast<Long>(__builtin_ia32_pmovzxdq256(v));
+#endif
+}
+
 /// Four points, each with x, y, z and colour side by side.
 SEGSERVE_INLINE void load_points(const RunInput in, std::size_t i, Long (&points)[4]) {
-  // Left to the compiler, four numbers become longer two by two.
-  const auto longer = [i](const std::int32_t* of) SEGSERVE_INLINE_LAMBDA {
-    return reinterpret_cast<Long>(__builtin_ia32_pmovsxdq256(load<Int4>(of + i)));
-  };
-  const Long x = longer(in.x), y = longer(in.y), z = longer(in.z);
+  const Long x = signed_longer(load<Int4>(in.x + i)), y = signed_longer(load<Int4>(in.y + i));
+  const Long z = signed_longer(load<Int4>(in.z + i));
   Long color{};
-  if (in.rgb != nullptr) color = spread(reinterpret_cast<Long>(__builtin_ia32_pmovzxdq256(load<Int4>(in.rgb + i))));
+  if (in.rgb != nullptr) color = spread(unsigned_longer(load<Int4>(in.rgb + i)));
   const Long xy02 = __builtin_shufflevector(x, y, 0, 4, 2, 6), xy13 = __builtin_shufflevector(x, y, 1, 5, 3, 7);
   const Long zc02 = __builtin_shufflevector(z, color, 0, 4, 2, 6), zc13 = __builtin_shufflevector(z, color, 1, 5, 3, 7);
   points[0] = __builtin_shufflevector(xy02, zc02, 0, 1, 4, 5);
