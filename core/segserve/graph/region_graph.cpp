@@ -47,15 +47,25 @@ __attribute__((noinline)) Contact* find_contacts_of(std::uint32_t v, std::span<c
   return out;
 }
 
+/// Room for some contacts more, after those of the voxels before v of V: for as many as there will be, to go by those.
+/// Growing by halves would waste 4 bytes a point.
+void make_room(std::vector<Contact>& contacts, std::size_t needed, std::size_t v, std::size_t voxels) {
+  if (needed <= contacts.size()) return;
+  const double share = static_cast<double>(v + 1) / static_cast<double>(voxels);
+  contacts.resize(
+      std::max({needed + needed / 16, static_cast<std::size_t>(1.05 * static_cast<double>(needed) / share)}));
+}
+
 /// One pass for edges and borders: 0.4 ms off a frame by the border method.
 std::span<const Contact> find_contacts(const VoxelAdjacency& adjacency, const Supervoxels& supervoxels,
                                        StopCheck& check, std::vector<Contact>& buffer) {
+  const std::size_t voxels = supervoxels.of_voxel.size();
   std::size_t found = 0;
-  check.for_each(0, supervoxels.of_voxel.size(), [&](std::size_t i) {
+  if (buffer.size() < voxels) buffer.resize(voxels);
+  check.for_each(0, voxels, [&](std::size_t i) {
     const auto v = static_cast<std::uint32_t>(i);
     const auto neighbors = adjacency.after(v);
-    if (found + neighbors.size() >= buffer.size())
-      buffer.resize(buffer.size() + buffer.size() / 2 + neighbors.size() + 1);
+    make_room(buffer, found + neighbors.size() + 1, i, voxels);
     const Contact* const end = find_contacts_of(v, neighbors, supervoxels.of_voxel.data(), buffer.data() + found);
     found = static_cast<std::size_t>(end - buffer.data());
     return 1 + neighbors.size();
