@@ -184,6 +184,9 @@ bool read(std::string_view text, Number& number) {
 }  // namespace segserve::bench
 
 int main(int argc, char** argv) {
+  // As in the mains of segserve and segctl: memory that one stage gives back goes to the next, not to the system.
+  mallopt(M_MMAP_THRESHOLD, 1 << 30);
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
   double density = segserve::bench::kUsualDensity;
   std::vector<std::size_t> sizes;
   for (int i = 1; i < argc; ++i) {

@@ -34,6 +34,8 @@ void number_in_order(State& state, const StopToken& stop, Supervoxels& result) {
 }  // namespace
 
 GrowthScratch::GrowthScratch() : state_(std::make_unique<State>()) {}
+GrowthScratch::GrowthScratch(GrowthScratch&&) noexcept = default;
+GrowthScratch& GrowthScratch::operator=(GrowthScratch&&) noexcept = default;
 GrowthScratch::~GrowthScratch() = default;
 
 absl::Status grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,

@@ -28,6 +28,8 @@ struct State;
 class GrowthScratch {
  public:
   GrowthScratch();
+  GrowthScratch(GrowthScratch&&) noexcept;
+  GrowthScratch& operator=(GrowthScratch&&) noexcept;
   ~GrowthScratch();
   growth::State& state() { return *state_; }
 

@@ -71,6 +71,35 @@ TEST_P(Exactness, TheSameInputGivesTheSameBytesAgainAndAgain) {
   expect_same(first, *segmenter.segment(tabletop(), with(GetParam())));
 }
 
+/// A wavy floor of one point in each of so many voxels a side, of 1 cm.
+Cloud floor_of_voxels(std::uint32_t side) {
+  constexpr float kEdge = 0.01F;
+  Cloud cloud;
+  cloud.resize(std::size_t{side} * side, true);
+  cloud.width = side, cloud.height = side;
+  cloud.view = View::world(1, 1, 10);
+  for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+    cloud.x[i] = kEdge * (static_cast<float>(i % side) + 0.5F);
+    cloud.y[i] = kEdge * (static_cast<float>(i / side) + 0.5F);
+    cloud.z[i] = kEdge * (0.5F + static_cast<float>(i / 97 % 2));
+    cloud.rgb[i] = i / 1000 * 77;
+  }
+  return cloud;
+}
+
+TEST_P(Exactness, BuffersThatWereGivenBackAreMissedByNobody) {
+  constexpr std::uint32_t kSide = 505;  // more voxels than a segmenter keeps buffers for
+  Options options = with(GetParam());
+  options.voxel_resolution = 0.01;
+  options.seed_resolution = 0.4;
+  const Cloud large = floor_of_voxels(kSide);
+  Segmenter segmenter;
+  const Segmentation first = *segmenter.segment(large, options);
+  EXPECT_EQ(first.voxels, kSide * kSide);
+  expect_same(*segment(tabletop(), with(GetParam())), *segmenter.segment(tabletop(), with(GetParam())));
+  expect_same(first, *segmenter.segment(large, options));
+}
+
 TEST_P(Exactness, PermutingThePointsPermutesTheLabelsAndChangesNothingElse) {
   const Segmentation s = *segment(tabletop(), with(GetParam()));
   std::vector<std::uint32_t> order(tabletop().size());
