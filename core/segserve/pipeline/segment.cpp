@@ -51,7 +51,7 @@ absl::Status border_normals(const VoxelGrid& grid, const View& view, const Super
   absl::Status status = bridge_islands(grid, view, voxel, {}, stop, adjacency);
   if (status.ok()) status = compute_normals(grid, adjacency, view, threads, stop, scratch, normals);
   if (status.ok() && view.sensor) status = orient_hidden(grid, adjacency, view, voxel, stop, normals);
-  if (status.ok()) status = refine_normals(grid, adjacency, view, voxel, {}, threads, stop, scratch, normals);
+  if (status.ok()) status = refine_normals(grid, view, voxel, {}, threads, stop, scratch, normals);
   return status;
 }
 

@@ -2,146 +2,184 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
-#include <utility>
 
 #include "segserve/math/elementary.hpp"
 #include "segserve/pipeline/parallel.hpp"
 #include "segserve/voxel/kernels/kernels.hpp"
-#include "segserve/voxel/voxel_blocks.hpp"
 
 namespace segserve {
 namespace {
 
-/// The first `size` of these; the vector only grows, so that nothing is filled twice.
-struct VoxelList {
-  std::vector<std::uint32_t> voxels;
-  std::size_t size = 0;
+constexpr std::int64_t kReach = 2;  // cells
+constexpr std::size_t kMostInSpan = RefitGroup::kMost + 2 * kReach;
+static_assert(kMostInSpan <= kRefitPadding);
+constexpr std::int64_t kLayer = std::int64_t{1} << kCellBits;
+constexpr VoxelKey kCellMask = kLayer - 1;
 
-  std::uint32_t* room_for(std::size_t more) {
-    if (size + more > voxels.size()) voxels.resize(2 * (size + more));
-    return voxels.data() + size;
-  }
-};
+/// Fills the columns. False: it was stopped.
+bool lay_out(const VoxelGrid& grid, const std::vector<Vec3>& normals, const StopToken& stop, RefitScratch& s) {
+  const std::size_t count = grid.size(), room = count + kRefitPadding;
+  for (auto* column : {&s.x, &s.y, &s.z}) column->resize(room);
+  for (auto* column : {&s.nx, &s.ny, &s.nz}) column->resize(room);
+  s.cell_x.resize(room);
+  s.key.resize(room);
+  std::fill(s.key.begin() + static_cast<std::ptrdiff_t>(count), s.key.end(), kNoKey);
+  s.row.clear();
+  s.row_begin.clear();
+  const bool complete = StopCheck(stop).for_each(0, count, [&](std::size_t v) {
+    s.x[v] = grid.centroid[v].x, s.y[v] = grid.centroid[v].y, s.z[v] = grid.centroid[v].z;
+    s.nx[v] = static_cast<float>(normals[v].x), s.ny[v] = static_cast<float>(normals[v].y);
+    s.nz[v] = static_cast<float>(normals[v].z);
+    s.cell_x[v] = static_cast<std::int32_t>(grid.key[v] & kCellMask);
+    s.key[v] = grid.key[v];
+    const VoxelKey row = grid.key[v] >> kCellBits;
+    if (!s.row.empty() && s.row.back() == row) return;
+    s.row.push_back(row);
+    s.row_begin.push_back(static_cast<std::uint32_t>(v));
+  });
+  s.row_begin.push_back(static_cast<std::uint32_t>(count));
+  return complete;
+}
 
-/// Lists the distinct voxels within two steps of a voxel, itself left out: its neighbours, then the new ones of each.
-class TwoRings {
+/// The voxels at most kReach cells away from those of a row, for consecutive rows and from left to right within each.
+class NearbyRows {
  public:
-  TwoRings(const VoxelAdjacency& adjacency, const std::vector<std::uint64_t>& patterns)
-      : adjacency_(adjacency), patterns_(patterns) {}
+  explicit NearbyRows(const RefitScratch& scratch) : s_(scratch) {}
 
-  /// Appends those around v to the list and returns how many voxels it looked at.
-  std::size_t append(std::uint32_t v, VoxelList& list) {
-    std::uint32_t* const out = list.room_for(kMostTwoRings);
-    const std::size_t found = patterns_[v] == 0 ? 0 : kernels_.two_rings(v, rows_, patterns_.data(), out);
-    list.size += found;
-    return found > 0 ? 1 + adjacency_.of(v).size() + found : append_any(v, list);
+  void enter(std::size_t row) {
+    count_ = 0;
+    for (std::int64_t dz = -kReach; dz <= kReach; ++dz) {
+      const VoxelKey first = s_.row[row] + static_cast<VoxelKey>(dz * kLayer - kReach);
+      std::size_t& next = layer_[static_cast<std::size_t>(dz + kReach)];
+      while (next < s_.row.size() && s_.row[next] < first) ++next;
+      for (std::size_t r = next; r < s_.row.size() && s_.row[r] <= first + 2 * kReach; ++r) {
+        row_[count_++] = {s_.row[r] << kCellBits, s_.row_begin[r]};
+      }
+    }
+  }
+
+  /// Appends the voxels whose x is within [left, right], at most kMostInSpan cells; returns their number. Without
+  /// branches but for gaps.
+  std::size_t append(std::int32_t left, std::int32_t right, std::vector<RowSpan>& spans) {
+    const std::size_t before = spans.size();
+    spans.resize(before + kMostRowSpans);
+    RowSpan* out = spans.data() + before;
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const VoxelKey first = row_[i].key + static_cast<VoxelKey>(left),
+                     last = row_[i].key + static_cast<VoxelKey>(right);
+      const VoxelKey* key = s_.key.data() + row_[i].next;
+      key += count_if(key, [=](VoxelKey k) { return k < first; });
+      while (*key < first) ++key;
+      row_[i].next = static_cast<std::uint32_t>(key - s_.key.data());
+      const std::uint32_t count = count_if(key, [=](VoxelKey k) { return k <= last; });
+      *out = {row_[i].next, count};
+      out += static_cast<std::ptrdiff_t>(count > 0);
+      found += count;
+    }
+    spans.resize(static_cast<std::size_t>(out - spans.data()));
+    return found;
   }
 
  private:
-  /// The same where the neighbours are not those of a grid, next to bridges.
-  std::size_t append_any(std::uint32_t v, VoxelList& list) {
-    const std::uint32_t mark = v + 1;
-    const std::size_t begin = list.size;
-    seen_.resize(patterns_.size());
-    seen_[v] = mark;
-    add(adjacency_.of(v), mark, list);
-    const std::size_t first_ring = list.size;
-    std::size_t visits = 1 + (first_ring - begin);
-    for (std::size_t i = begin; i < first_ring; ++i) {
-      const auto ring = adjacency_.of(list.voxels[i]);
-      visits += ring.size();
-      add(ring, mark, list);
-    }
-    return visits + (list.size - begin);
+  struct Row {
+    VoxelKey key;        // of its cell with x = 0
+    std::uint32_t next;  // voxel
+  };
+
+  template <typename Predicate>
+  static std::uint32_t count_if(const VoxelKey* key, Predicate&& predicate) {
+    std::uint32_t count = 0;
+#pragma GCC unroll 8
+    for (std::size_t k = 0; k < kMostInSpan; ++k) count += static_cast<std::uint32_t>(predicate(key[k]));
+    return count;
   }
 
-  void add(std::span<const std::uint32_t> voxels, std::uint32_t mark, VoxelList& list) {
-    std::uint32_t* const out = list.room_for(voxels.size());
-    std::size_t found = 0;
-    for (const std::uint32_t u : voxels) {
-      if (std::exchange(seen_[u], mark) != mark) out[found++] = u;
+  const RefitScratch& s_;
+  std::array<std::size_t, 2 * kReach + 1> layer_{};  // the next row in the layers below and above
+  std::array<Row, kMostRowSpans> row_;
+  std::size_t count_ = 0;
+};
+
+/// Refits the voxels of some rows, many groups at a time.
+class Refit {
+ public:
+  Refit(const RefitInput& input, const RefitScratch& scratch, std::vector<Vec3>& normals)
+      : input_(input), s_(scratch), normals_(normals) {}
+
+  /// offset_scale(v): RefitGroup::offset_scale of a voxel.
+  template <typename OffsetScale>
+  void rows(std::size_t first, std::size_t last, OffsetScale&& offset_scale, StopCheck& check) {
+    NearbyRows nearby(s_);
+    for (std::size_t row = first; row < last; ++row) {
+      nearby.enter(row);
+      if (check.after(1)) return;
+      const std::uint32_t end = s_.row_begin[row + 1];
+      // Groups depend on the row alone, and so do the lanes that a neighbour gets.
+      for (std::uint32_t v = s_.row_begin[row]; v < end;) {
+        RefitGroup& group = group_[groups_];
+        group.voxels = {v, 0};
+        const std::int32_t left = s_.cell_x[v];
+        for (; v < end && s_.cell_x[v] < left + static_cast<std::int32_t>(RefitGroup::kMost); ++v) {
+          group.offset_scale[group.voxels.count++] = offset_scale(v);
+        }
+        begin_[groups_] = spans_.size();
+        const std::size_t found = nearby.append(left - kReach, s_.cell_x[v - 1] + kReach, spans_);
+        group.span_count = spans_.size() - begin_[groups_++];
+        if (check.after(group.voxels.count * (1 + found))) return;
+        if (groups_ == kMost) carry_out();
+      }
     }
-    list.size += found;
+    carry_out();
   }
+
+ private:
+  void carry_out() {
+    for (std::size_t i = 0; i < groups_; ++i) group_[i].spans = spans_.data() + begin_[i];
+    kernels_.refit(input_, group_.data(), groups_, normals_.data());
+    groups_ = 0;
+    spans_.clear();
+  }
+
+  static constexpr std::size_t kMost = 16;
 
   const VoxelKernels& kernels_ = voxel_kernels();
-  const VoxelAdjacency& adjacency_;
-  const NeighborRows rows_{adjacency_.offset.data(), adjacency_.neighbor.data()};
-  const std::vector<std::uint64_t>& patterns_;
-  std::vector<std::uint32_t> seen_;  // by whose list; made when it is needed
-};
-
-/// The tasks of some voxels, carried out together.
-class Batch {
- public:
-  Batch(const RefitInput& input, const VoxelAdjacency& adjacency, const std::vector<std::uint64_t>& patterns,
-        std::vector<Vec3>& normals)
-      : kernels_(voxel_kernels()), input_(input), rings_(adjacency, patterns), normals_(normals) {}
-
-  /// Takes a voxel in; returns the work of it.
-  std::size_t add(std::uint32_t v, double offset_scale) {
-    begin_[tasks_] = list_.size;
-    const std::size_t work = rings_.append(v, list_);
-    task_[tasks_] = {v, nullptr, list_.size - begin_[tasks_], offset_scale};
-    ++tasks_;
-    std::fill_n(list_.room_for(kRefitPadding), kRefitPadding, v);
-    list_.size += kRefitPadding;
-    return work;
-  }
-  bool full() const { return tasks_ == kMost; }
-
-  void carry_out() {
-    for (std::size_t i = 0; i < tasks_; ++i) task_[i].neighbors = list_.voxels.data() + begin_[i];
-    kernels_.refit(input_, task_.data(), tasks_, normals_.data());
-    tasks_ = 0;
-    list_.size = 0;
-  }
-
- private:
-  static constexpr std::size_t kMost = 32;
-
-  const VoxelKernels& kernels_;
   const RefitInput& input_;
-  TwoRings rings_;
+  const RefitScratch& s_;
   std::vector<Vec3>& normals_;
-  VoxelList list_;
-  std::array<RefitTask, kMost> task_;
-  std::array<std::size_t, kMost> begin_;  // of each task in the list
-  std::size_t tasks_ = 0;
+  std::vector<RowSpan> spans_;
+  std::array<RefitGroup, kMost> group_;
+  std::array<std::size_t, kMost> begin_;  // of each group in the spans
+  std::size_t groups_ = 0;
 };
 
 }  // namespace
 
-absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                            double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
-                            const StopToken& stop, NormalsScratch& scratch, std::vector<Vec3>& normals) {
-  const NeighborRows rows{adjacency.offset.data(), adjacency.neighbor.data()};
-  scratch.centroid.resize(grid.size());
-  scratch.normal.resize(grid.size());
-  for (std::size_t v = 0; v < grid.size(); ++v) {
-    scratch.centroid[v] = quad(grid.centroid[v], 0);
-    scratch.normal[v] = quad(normals[v], 0);
-  }
-  scratch.patterns.resize(grid.size());
-  for_voxel_blocks(adjacency, threads, stop, [&](std::size_t first, std::size_t last) {
-    voxel_kernels().neighbor_patterns(first, last, rows, grid.key.data(), scratch.patterns.data());
-  });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+absl::Status refine_normals(const VoxelGrid& grid, const View& view, double voxel_resolution,
+                            const EdgeAwareOptions& options, unsigned threads, const StopToken& stop,
+                            NormalsScratch& scratch, std::vector<Vec3>& normals) {
+  RefitScratch& s = scratch.refit;
+  if (!lay_out(grid, normals, stop, s)) return stop.check();
   const double radians = options.angle * math::kDegree;
-  const RefitInput input{scratch.centroid.data(), scratch.normal.data(), 2 / (radians * radians), options.support};
+  const RefitInput input{s.x.data(),
+                         s.y.data(),
+                         s.z.data(),
+                         s.nx.data(),
+                         s.ny.data(),
+                         s.nz.data(),
+                         s.cell_x.data(),
+                         static_cast<float>(2 / (radians * radians)),
+                         static_cast<float>(options.support)};
+  const auto offset_scale = [&](std::size_t v) {
+    const double sigma = options.offset * voxel_edge(voxel_resolution, view, grid.centroid[v]);
+    return static_cast<float>(1 / (2 * sigma * sigma));
+  };
+  const auto first_row_from = [&](std::size_t v) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(s.row_begin, v) - s.row_begin.begin());
+  };
   parallel_ranges(grid.size(), threads, [&](std::size_t begin, std::size_t end) {
-    Batch batch(input, adjacency, scratch.patterns, normals);
     StopCheck check(stop, threads);
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto v = static_cast<std::uint32_t>(i);
-      if (check.after(1)) return;
-      if (normals[v] == Vec3{}) continue;
-      const double sigma = options.offset * voxel_edge(voxel_resolution, view, grid.centroid[v]);
-      if (check.after(batch.add(v, 1 / (2 * sigma * sigma)))) return;
-      if (batch.full()) batch.carry_out();
-    }
-    batch.carry_out();
+    Refit(input, s, normals).rows(first_row_from(begin), first_row_from(end), offset_scale, check);
   });
   return stop.check();
 }

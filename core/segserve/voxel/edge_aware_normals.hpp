@@ -19,22 +19,22 @@ struct EdgeAwareOptions {
   double support = 2.5;  ///< sum of weights below which the first normal stays
 };
 
-/// Normals that are not averaged across edges: refits each voxel's plane to the centroids of itself and of
-/// its distinct neighbours and their neighbours, weighted by
+/// Normals that are not averaged across edges: refits each voxel's plane to the centroids of all voxels at most two
+/// cells away (in the largest of the three directions; itself included), weighted by
 ///     exp(-(T / angle)^2 - min(ov^2, ou^2) / (2 (offset voxel)^2)),
 /// T the angle between the first normals, ov and ou the distances of each centroid from the plane through the
 /// other. `normals` (V) holds the first normals, turned to one side, and gets the new ones on the same side.
 /// In a CAMERA view the size of a voxel is voxel_resolution * z. CANCELLED, DEADLINE_EXCEEDED.
-absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                            double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
-                            const StopToken& stop, NormalsScratch& scratch, std::vector<Vec3>& normals);
+absl::Status refine_normals(const VoxelGrid& grid, const View& view, double voxel_resolution,
+                            const EdgeAwareOptions& options, unsigned threads, const StopToken& stop,
+                            NormalsScratch& scratch, std::vector<Vec3>& normals);
 
 /// For those who do it once.
-inline absl::Status refine_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                                   double voxel_resolution, const EdgeAwareOptions& options, unsigned threads,
-                                   const StopToken& stop, std::vector<Vec3>& normals) {
+inline absl::Status refine_normals(const VoxelGrid& grid, const View& view, double voxel_resolution,
+                                   const EdgeAwareOptions& options, unsigned threads, const StopToken& stop,
+                                   std::vector<Vec3>& normals) {
   NormalsScratch scratch;
-  return refine_normals(grid, adjacency, view, voxel_resolution, options, threads, stop, scratch, normals);
+  return refine_normals(grid, view, voxel_resolution, options, threads, stop, scratch, normals);
 }
 
 }  // namespace segserve

@@ -21,7 +21,9 @@ absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjace
   scratch.centroid.resize(grid.size());
   scratch.rings.resize(grid.size());
   normals.resize(grid.size());
-  for (std::size_t v = 0; v < grid.size(); ++v) scratch.centroid[v] = quad(grid.centroid[v], 0);
+  const bool complete =
+      StopCheck(stop).for_each(0, grid.size(), [&](std::size_t v) { scratch.centroid[v] = quad(grid.centroid[v], 0); });
+  if (!complete) return stop.check();
   for_voxel_blocks(adjacency, threads, stop, [&](std::size_t first, std::size_t last) {
     kernels.ring_moments(first, last, rows, scratch.centroid.data(), scratch.rings.data());
   });

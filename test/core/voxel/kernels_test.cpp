@@ -29,7 +29,7 @@ std::vector<std::uint64_t> bits_of(const Cloud& cloud, double resolution, Cpu cp
   EXPECT_TRUE(bridge_islands(grid, cloud.view, resolution, {}, StopToken(), adjacency).ok());
   EXPECT_TRUE(compute_normals(grid, adjacency, cloud.view, 1, StopToken(), normals).ok());
   const std::vector<Vec3> first = normals;
-  EXPECT_TRUE(refine_normals(grid, adjacency, cloud.view, resolution, {}, 1, StopToken(), normals).ok());
+  EXPECT_TRUE(refine_normals(grid, cloud.view, resolution, {}, 1, StopToken(), normals).ok());
   use_cpu(best_cpu());
   std::vector<std::uint64_t> bits(grid.key.begin(), grid.key.end());
   bits.insert(bits.end(), grid.slot_of_point.begin(), grid.slot_of_point.end());

@@ -27,23 +27,31 @@ struct NeighborRows {
   const std::uint32_t* neighbor;
 };
 
-/// What `refit` needs to know of all voxels, and of the options.
+/// What `refit` needs to know of all voxels, and of the options. Arrays have kRefitPadding more entries, of any finite
+/// value.
 struct RefitInput {
-  const Quad* centroid;  ///< w = 0
-  const Quad* normal;    ///< the first one
-  double angle_scale;    ///< of 1 - cosine in the exponent
-  double support;        ///< sum of weights up to which the first normal stays
-};
-
-/// A voxel to refit, and its neighbours; after them stand kRefitPadding more voxels, no matter which.
-struct RefitTask {
-  std::uint32_t voxel;
-  const std::uint32_t* neighbors;
-  std::size_t count;
-  double offset_scale;  ///< of the squared offset in the exponent
+  const double *x, *y, *z;     ///< centroids
+  const float *nx, *ny, *nz;   ///< the first normals
+  const std::int32_t* cell_x;  ///< x of the voxels' cells
+  float angle_scale;           ///< of 1 - cosine in the exponent
+  float support;               ///< sum of weights up to which the first normal stays
 };
 inline constexpr std::size_t kRefitPadding = 8;
-inline constexpr std::size_t kMostTwoRings = 124 + 4;
+
+/// Consecutive voxels of one row of cells; at most 8.
+struct RowSpan {
+  std::uint32_t first, count;
+};
+inline constexpr std::size_t kMostRowSpans = 25;
+
+/// Voxels to refit together, and all voxels at most two cells away from any of them, row by row.
+struct RefitGroup {
+  static constexpr std::size_t kMost = 4;
+  RowSpan voxels;             ///< of one row, in 4 neighbouring cells of it
+  float offset_scale[kMost];  ///< of the squared offset in the exponent
+  const RowSpan* spans;       ///< up to kMostRowSpans
+  std::size_t span_count;
+};
 
 /// Limits of a Selection; all of them are closed.
 struct SelectionLimits {
@@ -99,15 +107,8 @@ struct VoxelKernels {
   /// Normals, of either sign, of the planes through both rings of the voxels [begin, end).
   void (*fit_planes)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
                      const RingMoments* rings, Vec3* normals);
-  /// Where the neighbours of the voxels [begin, end) are, as bits; 0 if some are not among the 26 next ones.
-  void (*neighbor_patterns)(std::size_t begin, std::size_t end, const NeighborRows& rows, const std::uint64_t* keys,
-                            std::uint64_t* patterns);
-  /// Lists the distinct voxels within two steps of v: its neighbours, then the new ones of each of them. Returns their
-  /// number; 0 if a pattern is 0. `list` has room for kMostTwoRings.
-  std::size_t (*two_rings)(std::uint32_t v, const NeighborRows& rows, const std::uint64_t* patterns,
-                           std::uint32_t* list);
-  /// Gives each task's voxel its new normal (refine_normals); `normals` holds the first ones.
-  void (*refit)(const RefitInput& input, const RefitTask* tasks, std::size_t count, Vec3* normals);
+  /// Gives the voxels of the groups their new normals (refine_normals); `normals` holds the first ones.
+  void (*refit)(const RefitInput& input, const RefitGroup* groups, std::size_t count, Vec3* normals);
 };
 
 /// Those for `cpu_in_use`.

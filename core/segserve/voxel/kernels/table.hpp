@@ -5,11 +5,10 @@
 #include "segserve/voxel/kernels/moments.hpp"
 #include "segserve/voxel/kernels/refit.hpp"
 #include "segserve/voxel/kernels/runs.hpp"
-#include "segserve/voxel/kernels/two_rings.hpp"
 
 namespace segserve::SEGSERVE_KERNELS {
 
 extern const VoxelKernels kVoxelKernels;
-const VoxelKernels kVoxelKernels{find_cells, find_runs, ring_moments, fit_planes, neighbor_patterns, two_rings, refit};
+const VoxelKernels kVoxelKernels{find_cells, find_runs, ring_moments, fit_planes, refit};
 
 }  // namespace segserve::SEGSERVE_KERNELS
