@@ -8,6 +8,7 @@
 #include "fmt/format.h"
 #include "segserve/client/answer.hpp"
 #include "segserve/client/local.hpp"
+#include "segserve/v1/segmentation_service.grpc.pb.h"
 
 namespace segserve::client {
 /// A question that any living server answers at once.

@@ -104,8 +104,8 @@ SEGSERVE_INLINE MomentLanes weighted_moments(const RefitInput& in, const RefitGr
               z = static_cast<float>(in.z[v] - in.z[first]), nx = in.nx[v], ny = in.ny[v], nz = in.nz[v];
   const std::int32_t left = in.cell_x[v] - 3, right = in.cell_x[v] + 3;
   const float angle_scale = in.angle_scale * kLog2E, offset_scale = group.offset_scale[i] * kLog2E;
-  Float w_[kParts]{}, x_[kParts]{}, y_[kParts]{}, z_[kParts]{}, xx[kParts]{}, xy[kParts]{}, xz[kParts]{}, yy[kParts]{},
-      yz[kParts]{}, zz[kParts]{};
+  Float sum_w[kParts]{}, sum_x[kParts]{}, sum_y[kParts]{}, sum_z[kParts]{}, xx[kParts]{}, xy[kParts]{}, xz[kParts]{},
+      yy[kParts]{}, yz[kParts]{}, zz[kParts]{};
   for (std::size_t base = 0; base < count; base += kLanes) {
 #pragma GCC unroll 2
     for (std::size_t part = 0; part < kParts; ++part) {
@@ -123,10 +123,10 @@ SEGSERVE_INLINE MomentLanes weighted_moments(const RefitInput& in, const RefitGr
       const Float weight = power_of_2(angle_scale * (cosine - 1.0F) - offset_scale * least);
       const Float w = reinterpret_cast<Float>(reinterpret_cast<Int>(weight) & used);
       const Float wx = w * dx, wy = w * dy, wz = w * dz;
-      w_[part] += w;
-      x_[part] += wx;
-      y_[part] += wy;
-      z_[part] += wz;
+      sum_w[part] += w;
+      sum_x[part] += wx;
+      sum_y[part] += wy;
+      sum_z[part] += wz;
       xx[part] += wx * dx;
       xy[part] += wx * dy;
       xz[part] += wx * dz;
@@ -137,7 +137,7 @@ SEGSERVE_INLINE MomentLanes weighted_moments(const RefitInput& in, const RefitGr
   }
   const Float4 none{};
   MomentLanes total;
-  total.sum = sums(folded(x_), folded(y_), folded(z_), folded(w_));
+  total.sum = sums(folded(sum_x), folded(sum_y), folded(sum_z), folded(sum_w));
   total.square = sums(folded(xx), folded(xy), folded(xz), folded(yy));
   total.square2 = pick<0, 1>(sums(folded(yz), folded(zz), none, none));
   return total;
