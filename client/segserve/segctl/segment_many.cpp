@@ -17,7 +17,7 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   auto client = arguments.server.connect(arguments.fallback_local);
   if (!client.ok()) return client.status();
   // Before a run in which every file would fail for the same reason.
-  const absl::Status reached = client->server_info().status();
+  absl::Status reached = client->server_info().status();
   if (!reached.ok() && !(arguments.fallback_local && absl::IsUnavailable(reached))) return reached;
   job.client = *std::move(client);
   job.server = arguments.server.address();
