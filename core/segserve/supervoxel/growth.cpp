@@ -1,5 +1,7 @@
 #include "segserve/supervoxel/growth.hpp"
 
+#include <algorithm>
+
 #include "segserve/supervoxel/filling.hpp"
 #include "segserve/supervoxel/rounds.hpp"
 
@@ -9,23 +11,26 @@ namespace {
 using growth::State;
 
 /// Positions, colours and normals scaled by the weights; nothing has an owner.
-void read_features(const VoxelGrid& grid, const std::vector<Vec3>& normals, const SupervoxelOptions& options,
-                   const StopToken& stop, State& state) {
+void read_voxels(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                 const SupervoxelOptions& options, const StopToken& stop, State& state) {
   const double position_scale = options.spatial_weight / options.seed_resolution;
   state.clear(grid.size());
   StopCheck(stop).for_each(0, grid.size(), [&](std::size_t v) {
     const Vec3 position = position_scale * grid.centroid[v];
     const Vec3 color = (options.color_weight / 255 / grid.points[v]) * grid.color_sum[v];
-    state.voxels[v] = growth::feature(position, color, normals[v]);
+    const std::uint32_t first = adjacency.offset[v], neighbors = adjacency.offset[v + 1] - first;
+    state.most_neighbors = std::max<std::size_t>(state.most_neighbors, neighbors);
+    state.voxels[v] = {
+        growth::feature(position, color, normals[v]), growth::kUnreached, growth::kNobody, 0, first, neighbors};
   });
 }
 
 void number_in_order(State& state, const StopToken& stop, Supervoxels& result) {
   result.count = 0;
-  result.of_voxel.resize(state.owner.size());
+  result.of_voxel.resize(state.voxels.size());
   state.number.assign(state.cluster_count, growth::kNobody);
-  StopCheck(stop).for_each(0, state.owner.size(), [&](std::size_t v) {
-    std::uint32_t& n = state.number[state.owner[v]];
+  StopCheck(stop).for_each(0, state.voxels.size(), [&](std::size_t v) {
+    std::uint32_t& n = state.number[state.voxels[v].owner];
     if (n == growth::kNobody) n = result.count++;
     result.of_voxel[v] = n;
   });
@@ -44,7 +49,7 @@ absl::Status grow_supervoxels(const VoxelGrid& grid, const VoxelAdjacency& adjac
   const auto most_rounds = static_cast<int>(1.8 * options.seed_resolution / options.voxel_resolution + 1e-6) - 1;
   const growth::Distance distance{static_cast<float>(options.normal_weight), options.color_weight > 0};
   State& state = scratch.state();
-  read_features(grid, normals, options, stop, state);
+  read_voxels(grid, adjacency, normals, options, stop, state);
   if (absl::Status status = stop.check(); !status.ok()) return status;
   StopCheck check(stop);
   growth::Rounds rounds(adjacency, distance, check, state);

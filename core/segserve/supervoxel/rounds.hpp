@@ -26,12 +26,13 @@ class Rounds {
   bool next();
 
  private:
+  std::uint32_t turn_after(std::uint32_t c) const;
   void prefetch_turns_after(std::uint32_t c) const;
+  void prefetch_rows(const Turn& turn, std::size_t claims) const;
   template <typename FindClaims>
   void expand(std::uint32_t c, FindClaims&& find_claims);
   template <typename FindClaims>
   std::size_t split_candidates(const Turn& turn, FindClaims&& find_claims);
-  std::size_t count_neighbors(std::size_t begin, std::size_t end) const;
   std::size_t drop_claims_that_do_not_touch(const Turn& turn, std::size_t claims);
   void take(std::uint32_t c, std::size_t claims);
   void add_candidates(const Turn& turn, std::size_t claims);

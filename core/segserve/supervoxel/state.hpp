@@ -19,9 +19,8 @@ inline constexpr float kUnreached = std::numeric_limits<float>::infinity();
 /// From a position, colour and normal that are scaled by the weights.
 inline Feature feature(const Vec3& position, const Vec3& color, const Vec3& normal) {
   const auto f = [](double v) { return static_cast<float>(v); };
-  return {f(position.x), f(position.y), f(position.z), f(normal.x),
-          f(normal.y),   f(normal.z),   kUnreached,    0,
-          f(color.x),    f(color.y),    f(color.z),    0};
+  return {f(position.x), f(position.y), f(position.z), f(normal.x), f(normal.y),
+          f(normal.z),   f(color.x),    f(color.y),    f(color.z)};
 }
 
 /// The distance between two features, as the kernel find_claims measures it.
@@ -33,23 +32,25 @@ inline float distance_between(const Distance& distance, const Feature& a, const 
          distance.normal_weight * (1.0F - std::fabs(cosine));
 }
 
-struct FeatureSum {
-  Vec3 position, color, normal;
-
+/// Of features, number by number: two at a time are half the instructions, as the compiler sees by itself only where
+/// they are an array.
+class FeatureSum {
+ public:
   void add(const Feature& f) {
-    position += Vec3{f.px, f.py, f.pz};
-    color += Vec3{f.cr, f.cg, f.cb};
-    normal += Vec3{f.nx, f.ny, f.nz};
+    for (std::size_t i = 0; i < kNumbers; ++i) sum_[i] += static_cast<double>((&f.px)[i]);
   }
   void take_off(const Feature& f) {
-    position -= Vec3{f.px, f.py, f.pz};
-    color -= Vec3{f.cr, f.cg, f.cb};
-    normal -= Vec3{f.nx, f.ny, f.nz};
+    for (std::size_t i = 0; i < kNumbers; ++i) sum_[i] -= static_cast<double>((&f.px)[i]);
   }
   Feature mean(std::size_t count) const {
     const double scale = 1 / static_cast<double>(count);
-    return feature(scale * position, scale * color, unit(normal));
+    const auto& [px, py, pz, nx, ny, nz, cr, cg, cb] = sum_;
+    return feature(scale * Vec3{px, py, pz}, scale * Vec3{cr, cg, cb}, unit(Vec3{nx, ny, nz}));
   }
+
+ private:
+  static constexpr std::size_t kNumbers = sizeof(Feature) / sizeof(float);
+  double sum_[kNumbers] = {};
 };
 
 struct Cluster {
@@ -63,6 +64,8 @@ struct Cluster {
   bool changed = true;
   bool changed_next = false;
   bool lost = false;  // a voxel, ever: until then all candidates touch it
+
+  bool takes_turn() const { return changed && count > 0; }
 
   /// Voxel v, whose feature is given, goes to another cluster.
   void lose(std::uint32_t v, const Feature& feature) {
@@ -89,9 +92,8 @@ struct Assignment {
 
 /// Kept between calls for its memory.
 struct State {
-  std::vector<Feature> voxels;       // V: mostly one cache line each
-  std::vector<std::uint32_t> owner;  // V: a cluster, or kNobody
-  std::vector<std::uint32_t> seen;   // V: the last turn that had the voxel among its candidates
+  std::vector<Voxel> voxels;       // V
+  std::size_t most_neighbors = 0;  // of a voxel
   std::uint32_t turn = 0;
   std::uint32_t cluster_count = 0;
   std::vector<Cluster> clusters;     // more than there are, so that their candidates keep their memory
@@ -103,8 +105,7 @@ struct State {
 
   void clear(std::size_t size) {
     voxels.resize(size);
-    owner.assign(size, kNobody);
-    seen.assign(size, 0);
+    most_neighbors = 0;
     turn = cluster_count = 0;
   }
   std::uint32_t new_cluster() {

@@ -8,6 +8,7 @@
 #include <bit>
 #include <random>
 #include <set>
+#include <span>
 #include <vector>
 
 #include "segserve/math/cpu.hpp"
@@ -27,32 +28,34 @@ const Kernels& kernels_of(Cpu cpu) {
 struct Scene {
   explicit Scene(bool colored) {
     for (std::uint32_t v = 0; v < kVoxels; ++v) {
-      voxels.push_back(random_feature(colored));
-      voxels.back().distance = v % 9 == 0 ? kUnreached : 1 + number();
-      owner.push_back(static_cast<std::uint32_t>(random() % 6));
+      Voxel voxel{};
+      voxel.feature = random_feature(colored);
+      voxel.distance = v % 9 == 0 ? kUnreached : 1 + number();
+      voxel.owner = static_cast<std::uint32_t>(random() % 6);
       // Some have more neighbours than fit any buffer.
       const std::size_t count = v % 50 == 0 ? 700 : random() % 40;
       std::set<std::uint32_t> some;
       while (some.size() < count) some.insert(static_cast<std::uint32_t>(random() % kVoxels));
       some.erase(v);
+      voxel.first = static_cast<std::uint32_t>(neighbor.size());
+      voxel.neighbors = static_cast<std::uint32_t>(some.size());
       neighbor.insert(neighbor.end(), some.begin(), some.end());
-      offset.push_back(static_cast<std::uint32_t>(neighbor.size()));
+      voxels.push_back(voxel);
     }
-    seen.assign(kVoxels, 0);
   }
   float number() { return static_cast<float>(random() % 20001) / 10000.0F - 1.0F; }
   Feature random_feature(bool colored) {
     const float c = colored ? 1 : 0;
-    return {number(), number(), number(),     number(),     number(),     number(),
-            0,        0,        c * number(), c * number(), c * number(), 0};
+    return {number(), number(), number(), number(), number(), number(), c * number(), c * number(), c * number()};
   }
-  Turn turn() {
-    return {voxels.data(), owner.data(), seen.data(), offset.data(), neighbor.data(), neighbor.size(), 3, 77};
+  std::span<const std::uint32_t> neighbors_of(std::uint32_t v) const {
+    return std::span(neighbor).subspan(voxels[v].first, voxels[v].neighbors);
   }
+  Turn turn() { return {voxels.data(), neighbor.data(), neighbor.size(), 3, 77}; }
   static constexpr std::uint32_t kVoxels = 900;
   std::mt19937 random{11};
-  std::vector<Feature> voxels;
-  std::vector<std::uint32_t> owner, seen, neighbor, offset{0};
+  std::vector<Voxel> voxels;
+  std::vector<std::uint32_t> neighbor;
 };
 
 std::vector<std::uint32_t> first_voxels(std::size_t count) {
@@ -68,11 +71,11 @@ TEST_P(GrowthKernels, ClaimWhatIsNearerThanItsOwner) {
     for (std::size_t count = 0; count <= 35; ++count) {
       Scene scene(colored);
       const Distance distance{1.25F, colored};
-      const Feature centre = count == 5 ? scene.voxels[7] : scene.random_feature(colored);
+      const Feature centre = count == 5 ? scene.voxels[7].feature : scene.random_feature(colored);
       std::vector<std::uint32_t> candidates = first_voxels(count), kept;
       std::vector<Claim> expected;
       for (const std::uint32_t v : candidates) {
-        const float d = distance_between(distance, centre, scene.voxels[v]);
+        const float d = distance_between(distance, centre, scene.voxels[v].feature);
         if (d < scene.voxels[v].distance) {
           expected.push_back({v, d});
         } else {
@@ -87,11 +90,11 @@ TEST_P(GrowthKernels, ClaimWhatIsNearerThanItsOwner) {
       for (std::size_t i = 0; i < found; ++i) {
         EXPECT_EQ(claims[i].voxel, expected[i].voxel);
         EXPECT_EQ(std::bit_cast<std::uint32_t>(claims[i].distance), std::bit_cast<std::uint32_t>(expected[i].distance));
-        EXPECT_EQ(scene.seen[claims[i].voxel], 77U);
+        EXPECT_EQ(scene.voxels[claims[i].voxel].seen, 77U);
       }
       candidates.resize(count - found);
       EXPECT_EQ(candidates, kept);
-      EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(scene.seen, 77U)), count);
+      EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(scene.voxels, 77U, &Voxel::seen)), count);
     }
   }
 }
@@ -100,23 +103,24 @@ TEST_P(GrowthKernels, KeepTheClaimsThatTouchTheCluster) {
   Scene scene(false);
   std::vector<Claim> claims;
   std::vector<std::uint32_t> expected, kept;
+  std::size_t neighbors = 0;
   for (const std::uint32_t v : first_voxels(400)) {
-    scene.owner[v] = 1;
+    scene.voxels[v].owner = 1;
     claims.push_back({v, 0});
-    scene.seen[v] = 77;
+    scene.voxels[v].seen = 77;
+    neighbors += scene.voxels[v].neighbors;
   }
   for (const Claim& claim : claims) {
-    const auto begin = scene.neighbor.begin() + scene.offset[claim.voxel];
-    const auto end = scene.neighbor.begin() + scene.offset[claim.voxel + 1];
-    if (std::any_of(begin, end, [&](std::uint32_t u) { return scene.owner[u] == 3; })) expected.push_back(claim.voxel);
+    const auto touches = [&](std::uint32_t u) { return scene.voxels[u].owner == 3; };
+    if (std::ranges::any_of(scene.neighbors_of(claim.voxel), touches)) expected.push_back(claim.voxel);
   }
-  const std::size_t count =
-      kernels_of(GetParam()).keep_touching(scene.turn(), claims.data(), claims.size(), claims.data());
-  for (std::size_t i = 0; i < count; ++i) kept.push_back(claims[i].voxel);
+  const Found found = kernels_of(GetParam()).keep_touching(scene.turn(), claims.data(), claims.size(), claims.data());
+  for (std::size_t i = 0; i < found.count; ++i) kept.push_back(claims[i].voxel);
   EXPECT_EQ(kept, expected);
+  EXPECT_EQ(found.visits, neighbors);
   EXPECT_LT(expected.size(), 400U);
   for (const std::uint32_t v : first_voxels(400)) {
-    EXPECT_EQ(scene.seen[v], std::ranges::count(expected, v) > 0 ? 77U : 0U) << v;
+    EXPECT_EQ(scene.voxels[v].seen, std::ranges::count(expected, v) > 0 ? 77U : 0U) << v;
   }
 }
 
@@ -126,20 +130,24 @@ TEST_P(GrowthKernels, FindEachFreshNeighbourOnce) {
     std::vector<Claim> claims;
     std::vector<std::uint32_t> expected;
     for (const std::uint32_t v : first_voxels(count)) {
-      scene.owner[v] = 3;
+      scene.voxels[v].owner = 3;
       claims.push_back({v, 0});
     }
-    for (std::uint32_t v = 5; v < Scene::kVoxels; v += 11) scene.seen[v] = 77;
-    std::vector<std::uint32_t> seen = scene.seen;
+    for (std::uint32_t v = 5; v < Scene::kVoxels; v += 11) scene.voxels[v].seen = 77;
+    std::vector<bool> seen;
+    for (const Voxel& voxel : scene.voxels) seen.push_back(voxel.seen == 77);
     std::size_t neighbors = 0;
     for (const Claim& claim : claims) {
-      for (std::uint32_t at = scene.offset[claim.voxel]; at < scene.offset[claim.voxel + 1]; ++at, ++neighbors) {
-        const std::uint32_t u = scene.neighbor[at];
-        if (scene.owner[u] != 3 && std::exchange(seen[u], 77) != 77) expected.push_back(u);
+      for (const std::uint32_t u : scene.neighbors_of(claim.voxel)) {
+        ++neighbors;
+        if (scene.voxels[u].owner != 3 && !seen[u]) expected.push_back(u);
+        seen[u] = true;
       }
     }
     std::vector<std::uint32_t> fresh(neighbors + 1);
-    fresh.resize(kernels_of(GetParam()).find_fresh(scene.turn(), claims.data(), count, fresh.data()));
+    const Found found = kernels_of(GetParam()).find_fresh(scene.turn(), claims.data(), count, fresh.data());
+    fresh.resize(found.count);
+    EXPECT_EQ(found.visits, neighbors);
     EXPECT_EQ(fresh, expected);
   }
 }

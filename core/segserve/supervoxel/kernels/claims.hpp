@@ -10,6 +10,7 @@ namespace {
 using growth::Claim;
 using growth::Feature;
 using growth::Turn;
+using growth::Voxel;
 
 SEGSERVE_INLINE Float square_root(Float v) {
 #if defined(__AVX2__)
@@ -27,9 +28,9 @@ struct FourColumns {
   Float a, b, c, d;
 };
 
-/// `part`: 0, 4 or 8, the first of the four floats of a feature.
-SEGSERVE_INLINE FourColumns columns(const Feature* voxels, const std::uint32_t* of, std::size_t part) {
-  const auto row = [&](std::size_t i) SEGSERVE_INLINE_LAMBDA { return &voxels[of[i]].px + part; };
+/// `part`: 0, 4 or 8, the first of the four floats of a voxel.
+SEGSERVE_INLINE FourColumns columns(const Voxel* voxels, const std::uint32_t* of, std::size_t part) {
+  const auto row = [&](std::size_t i) SEGSERVE_INLINE_LAMBDA { return &voxels[of[i]].feature.px + part; };
 #if defined(__AVX2__)
   const auto two_rows = [&](std::size_t i) SEGSERVE_INLINE_LAMBDA {
     return __builtin_shufflevector(load<HalfFloat>(row(i)), load<HalfFloat>(row(i + 4)), 0, 1, 2, 3, 4, 5, 6, 7);
@@ -61,20 +62,20 @@ struct Measured {
 
 /// The distance of VCCS, of as many voxels as a vector has lanes.
 template <bool colored>
-SEGSERVE_INLINE Measured measure(const Feature& centre, float normal_weight, const Feature* voxels,
+SEGSERVE_INLINE Measured measure(const Feature& centre, float normal_weight, const Voxel* voxels,
                                  const std::uint32_t* of) {
-  const FourColumns first = columns(voxels, of, 0), second = columns(voxels, of, 4);
+  // px py pz nx, ny nz cr cg, cb distance
+  const FourColumns first = columns(voxels, of, 0), second = columns(voxels, of, 4), third = columns(voxels, of, 8);
   const Float x = centre.px - first.a, y = centre.py - first.b, z = centre.pz - first.c;
   Float distance = square_root(x * x + y * y + z * z);
   if constexpr (colored) {
-    const FourColumns color = columns(voxels, of, 8);
-    const Float r = centre.cr - color.a, g = centre.cg - color.b, b = centre.cb - color.c;
+    const Float r = centre.cr - second.c, g = centre.cg - second.d, b = centre.cb - third.a;
     distance = distance + square_root(r * r + g * g + b * b);
   }
   const Float cosine = centre.nx * first.d + centre.ny * second.a + centre.nz * second.b;
   const Float absolute = reinterpret_cast<Float>(reinterpret_cast<Int>(cosine) & 0x7fffffff);
   distance = distance + normal_weight * (1.0F - absolute);
-  return {distance, distance < second.c};
+  return {distance, distance < third.b};
 }
 
 /// Candidates on their way to one of two lists.
@@ -92,7 +93,7 @@ struct Split {
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t u = of[i];
-      turn.seen[u] = turn.number;
+      turn.voxels[u].seen = turn.number;
       claims[claimed].voxel = u;
       claims[claimed].distance = distance[i];
       kept[left] = u;

@@ -18,20 +18,23 @@ SEGSERVE_INLINE Int eight_of(const std::uint32_t* numbers, std::uint32_t at, std
   return valid ? __builtin_ia32_maskloadd256(reinterpret_cast<const Int*>(numbers + at), valid) : broadcast(filler);
 }
 
-SEGSERVE_INLINE Int gather(const std::uint32_t* from, Int of) {
-#if defined(__clang__)  // which names it otherwise
-  return __builtin_ia32_gatherd_d256(Int{}, reinterpret_cast<const int*>(from), of, ~Int{}, 4);
+/// The owners of eight voxels.
+SEGSERVE_INLINE Int owners(const growth::Voxel* voxels, Int of) {
+  static_assert(sizeof(growth::Voxel) == 64);  // eight times what a gather multiplies by
+#if defined(__clang__)                            // which names it otherwise
+  return __builtin_ia32_gatherd_d256(Int{}, reinterpret_cast<const int*>(&voxels->owner), of << 3, ~Int{}, 8);
 #else
-  return __builtin_ia32_gathersiv8si(Int{}, reinterpret_cast<const int*>(from), of, ~Int{}, 4);
+  return __builtin_ia32_gathersiv8si(Int{}, reinterpret_cast<const int*>(&voxels->owner), of << 3, ~Int{}, 8);
 #endif
 }
 
 /// Whether the cluster owns a neighbour of v, which it does not own: eight of them at a time.
 SEGSERVE_INLINE bool touches(const growth::Turn& turn, std::uint32_t v) {
   Int touching{};
-  const std::uint32_t end = turn.offset[v + 1];
-  for (std::uint32_t at = turn.offset[v]; at < end; at += 8) {
-    touching |= gather(turn.owner, eight_of(turn.neighbor, at, end, v)) == broadcast(turn.cluster);
+  const growth::Voxel& voxel = turn.voxels[v];
+  const std::uint32_t end = voxel.first + voxel.neighbors;
+  for (std::uint32_t at = voxel.first; at < end; at += 8) {
+    touching |= owners(turn.voxels, eight_of(turn.neighbor, at, end, v)) == broadcast(turn.cluster);
   }
   return any(touching);
 }
@@ -40,26 +43,28 @@ SEGSERVE_INLINE bool touches(const growth::Turn& turn, std::uint32_t v) {
 
 /// Whether the cluster owns a neighbour of v.
 SEGSERVE_INLINE bool touches(const growth::Turn& turn, std::uint32_t v) {
-  const std::uint32_t end = turn.offset[v + 1];
-  for (std::uint32_t at = turn.offset[v]; at < end; ++at) {
-    if (turn.owner[turn.neighbor[at]] == turn.cluster) return true;
+  const growth::Voxel& voxel = turn.voxels[v];
+  const std::uint32_t end = voxel.first + voxel.neighbors;
+  for (std::uint32_t at = voxel.first; at < end; ++at) {
+    if (turn.voxels[turn.neighbor[at]].owner == turn.cluster) return true;
   }
   return false;
 }
 
 #endif
 
-std::size_t keep_touching(const growth::Turn& turn, const growth::Claim* claims, std::size_t count,
-                          growth::Claim* kept) {
-  std::size_t left = 0;
+growth::Found keep_touching(const growth::Turn& turn, const growth::Claim* claims, std::size_t count,
+                            growth::Claim* kept) {
+  growth::Found found{0, 0};
   for (std::size_t i = 0; i < count; ++i) {
     const growth::Claim claim = claims[i];
     const bool touching = touches(turn, claim.voxel);
-    kept[left] = claim;
-    left += static_cast<std::size_t>(touching);
-    turn.seen[claim.voxel] = touching ? turn.number : 0;
+    kept[found.count] = claim;
+    found.count += static_cast<std::size_t>(touching);
+    found.visits += turn.voxels[claim.voxel].neighbors;
+    turn.voxels[claim.voxel].seen = touching ? turn.number : 0;
   }
-  return left;
+  return found;
 }
 
 /// Rows of neighbours, one after the other, so that a single loop goes through all of them: the end of a loop for each
@@ -70,8 +75,8 @@ struct Rows {
   std::size_t size = 0;
 
   /// False, and nothing is done, if there is no room.
-  SEGSERVE_INLINE bool append(const growth::Turn& turn, std::uint32_t v) {
-    const std::size_t begin = turn.offset[v], count = turn.offset[v + 1] - begin;
+  SEGSERVE_INLINE bool append(const growth::Turn& turn, const growth::Voxel& voxel) {
+    const std::size_t begin = voxel.first, count = voxel.neighbors;
     if (size + count > kMost) return false;
     if (begin + kUsual <= turn.neighbors && count <= kUsual) {
       __builtin_memcpy(list + size, turn.neighbor + begin, kUsual * sizeof(std::uint32_t));
@@ -83,34 +88,36 @@ struct Rows {
   }
 };
 
-/// Appends the fresh ones of some voxels to a list. Returns their number. Without branches.
-SEGSERVE_INLINE std::size_t append_fresh(const growth::Turn& turn, const std::uint32_t* voxels, std::size_t count,
-                                         std::uint32_t* fresh) {
+/// Appends the fresh ones of some voxels to a list. Without branches.
+SEGSERVE_INLINE void append_fresh(const growth::Turn& turn, const std::uint32_t* voxels, std::size_t count,
+                                  std::uint32_t* fresh, growth::Found& found) {
   const std::uint32_t cluster = turn.cluster, number = turn.number;
-  const std::uint32_t* owner = turn.owner;
-  std::uint32_t* seen = turn.seen;
-  std::size_t found = 0;
+  std::size_t end = found.count;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t u = voxels[i];
-    fresh[found] = u;
-    found += static_cast<std::size_t>((owner[u] != cluster) & (seen[u] != number));
-    seen[u] = number;
+    growth::Voxel& voxel = turn.voxels[u];
+    fresh[end] = u;
+    end += static_cast<std::size_t>((voxel.owner != cluster) & (voxel.seen != number));
+    voxel.seen = number;
   }
-  return found;
+  found.count = end;
+  found.visits += count;
 }
 
-std::size_t find_fresh(const growth::Turn& turn, const growth::Claim* claims, std::size_t count, std::uint32_t* fresh) {
-  std::size_t found = 0;
+growth::Found find_fresh(const growth::Turn& turn, const growth::Claim* claims, std::size_t count,
+                         std::uint32_t* fresh) {
+  growth::Found found{0, 0};
   Rows rows;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t v = claims[i].voxel;
-    if (rows.append(turn, v)) continue;
-    found += append_fresh(turn, rows.list, rows.size, fresh + found);
+    const growth::Voxel& voxel = turn.voxels[claims[i].voxel];
+    if (rows.append(turn, voxel)) continue;
+    append_fresh(turn, rows.list, rows.size, fresh, found);
     rows.size = 0;
-    if (rows.append(turn, v)) continue;  // else it has more neighbours than there ever is room for
-    found += append_fresh(turn, turn.neighbor + turn.offset[v], turn.offset[v + 1] - turn.offset[v], fresh + found);
+    if (rows.append(turn, voxel)) continue;  // else it has more neighbours than there ever is room for
+    append_fresh(turn, turn.neighbor + voxel.first, voxel.neighbors, fresh, found);
   }
-  return found + append_fresh(turn, rows.list, rows.size, fresh + found);
+  append_fresh(turn, rows.list, rows.size, fresh, found);
+  return found;
 }
 
 }  // namespace
