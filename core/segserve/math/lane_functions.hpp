@@ -61,6 +61,14 @@ constexpr Series<N> reciprocal_factorials(int first, int step, double sign) {
   return series;
 }
 
+/// 1, 1/3, 1/5, ..
+template <std::size_t N>
+constexpr Series<N> artanh_series() {
+  Series<N> series{};
+  for (std::size_t i = 0; i < N; ++i) series.of[i] = 1 / static_cast<double>(2 * i + 1);
+  return series;
+}
+
 /// A whole number, as such and in the low bits of integers.
 struct Whole {
   Real value;
@@ -77,12 +85,42 @@ SEGSERVE_INLINE Whole rounded(Real x) {
   return {beyond, reinterpret_cast<RealMask>(beyond + large) - reinterpret_cast<RealMask>(large)};
 }
 
+/// Of positive numbers.
+SEGSERVE_INLINE Real logarithm(Real x) {
+  static constexpr Series kSeries = artanh_series<12>();
+  constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
+  constexpr std::int64_t kSqrtHalf = 0x3fe6a09e667f3bcdLL;
+  const RealMask shifted = reinterpret_cast<RealMask>(x) - kSqrtHalf;
+  // In the low bits of 2^52, from where it becomes a number by a subtraction; 1024 more, so that it is not negative.
+  using Words = std::uint64_t __attribute__((vector_size(kLaneBytes)));
+  const Words biased = reinterpret_cast<Words>(shifted + (1024LL << 52)) >> 52;
+  const Real exponent = reinterpret_cast<Real>(biased | 0x4330000000000000ULL) - (4503599627370496.0 + 1024);
+  const Real m = reinterpret_cast<Real>((shifted & 0x000fffffffffffffLL) + kSqrtHalf);
+  const Real s = (m - 1.0) / (m + 1.0);
+  return exponent * kLn2High + (2.0 * s * horner(kSeries, s * s) + exponent * kLn2Low);
+}
+
 SEGSERVE_INLINE Real exponential(Real x) {
   static constexpr Series kSeries = reciprocal_factorials<15>(0, 1, 1.0);
   constexpr double kLn2High = 6.93147180369123816490e-01, kLn2Low = 1.90821492927058770002e-10;
   const Whole n = rounded(x / (kLn2High + kLn2Low));
   const Real r = (x - n.value * kLn2High) - n.value * kLn2Low;
   return horner(kSeries, r) * reinterpret_cast<Real>((n.bits + 1023) << 52);
+}
+
+/// x^y of positive x.
+SEGSERVE_INLINE Real power(Real x, double y) { return exponential(y * logarithm(x)); }
+
+/// Of positive numbers.
+SEGSERVE_INLINE Real cube_root(Real x) {
+  RealMask bits = reinterpret_cast<RealMask>(x);
+  for (std::size_t i = 0; i < kReals; ++i) bits[i] /= 3;
+  Real root = reinterpret_cast<Real>(bits + 0x2a9f7893782da1ceLL);
+  for (int step = 0; step < 4; ++step) {
+    const Real cube = root * root * root;
+    root *= (cube + 2.0 * x) / (2.0 * cube + x);
+  }
+  return root;
 }
 
 /// Sine, or cosine if `quarters` is 1.

@@ -33,10 +33,11 @@ concept Metric = requires(T metric, const T& constant, typename T::Evidence evid
   evidence += evidence;
 };
 
-/// A metric that looks at no evidence may compute many dissimilarities at once.
+/// A metric that looks at no evidence may compute many dissimilarities at once, and know those of the initial edges.
 template <typename T>
 concept BatchMetric = Metric<T> && requires(const T& constant, std::span<const RegionEdge> pairs, double* result) {
   constant.dissimilarities(pairs, result);
+  { constant.initial_dissimilarities() } -> std::same_as<std::span<const double>>;
 };
 
 /// The merging process of section 2.1: while edges are left, the two regions of the smallest weight
@@ -51,7 +52,7 @@ class Merger {
  public:
   using Evidence = typename M::Evidence;
 
-  /// `evidence` has one entry an edge.
+  /// `edges`: those of the graph that the metric looks at; `evidence` has one entry an edge.
   Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, double threshold, M& metric,
          const StopToken& stop)
       : metric_(metric),
@@ -62,13 +63,10 @@ class Merger {
         links_(metric.region_count()),
         best_(metric.region_count(), Edge{}) {
     reserve_links(edges);
-    measured_.resize(edges.size());
-    check_.for_each_block(0, edges.size(), [&](std::size_t first, std::size_t last) {
-      measure(edges.subspan(first, last - first), evidence.subspan(first, last - first), measured_.data() + first);
-    });
+    const std::span<const double> initial = measure_all(edges, evidence);
     check_.for_each(0, edges.size(), [&](std::size_t e) {
       const auto [a, b] = edges[e];
-      links_[a].push_back(link(b, measured_[e], evidence[e]));
+      links_[a].push_back(link(b, initial[e], evidence[e]));
       links_[b].push_back(links_[a].back().back_to(a));
     });
     for (std::uint32_t r = 0; r < links_.size() && !check_.after(1 + links_[r].size()); ++r) {
@@ -133,6 +131,18 @@ class Merger {
       for (std::size_t i = 0; i < pairs.size(); ++i) {
         result[i] = metric_.dissimilarity(pairs[i].a, pairs[i].b, evidence[i]);
       }
+    }
+  }
+
+  std::span<const double> measure_all(std::span<const RegionEdge> edges, std::span<const Evidence> evidence) {
+    if constexpr (BatchMetric<M>) {
+      return metric_.initial_dissimilarities();
+    } else {
+      measured_.resize(edges.size());
+      check_.for_each_block(0, edges.size(), [&](std::size_t first, std::size_t last) {
+        measure(edges.subspan(first, last - first), evidence.subspan(first, last - first), measured_.data() + first);
+      });
+      return measured_;
     }
   }
 

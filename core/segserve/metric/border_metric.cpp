@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "segserve/math/elementary.hpp"
-#include "segserve/metric/color.hpp"
 #include "segserve/metric/kernels/kernels.hpp"
 
 namespace segserve {
@@ -40,12 +39,15 @@ std::vector<BorderMetric::Evidence> border_evidence(const RegionGraph& graph, co
                                                     double voxel, double seed, const BorderOptions& options,
                                                     const StopToken& stop) {
   StopCheck check(stop);
-  std::vector<Vec3> normal;
-  std::vector<Lab> color;
-  check.for_each(0, graph.regions.size(), [&](std::size_t r) {
-    const Region& region = graph.regions[r];
-    normal.push_back(unit(region.normal_sum));
-    color.push_back(srgb_to_lab((1.0 / region.points) * region.color_sum));
+  const std::size_t regions = graph.regions.size();
+  std::vector<Vec3> normal(regions), rgb(regions);
+  std::vector<Lab> color(regions);
+  check.for_each_block(0, regions, [&](std::size_t first, std::size_t last) {
+    for (std::size_t r = first; r < last; ++r) {
+      normal[r] = unit(graph.regions[r].normal_sum);
+      rgb[r] = (1.0 / graph.regions[r].points) * graph.regions[r].color_sum;
+    }
+    metric_kernels().srgb_to_lab(rgb.data() + first, last - first, color.data() + first);
   });
   std::vector<double> difference(graph.edges.size());
   check.for_each_block(0, graph.edges.size(), [&](std::size_t first, std::size_t last) {

@@ -5,7 +5,7 @@
 
 namespace segserve {
 
-/// From sRGB (IEC 61966-2-1), channels 0..255; means need not be whole.
+/// From sRGB (IEC 61966-2-1), channels 0..255; means need not be whole. Many at once: MetricKernels.
 Lab srgb_to_lab(const Vec3& rgb);
 
 /// CIEDE2000 colour difference with k_L = k_C = k_H = 1 (Sharma, Wu, Dalal 2005, eq. 2 to 22). Many at once:

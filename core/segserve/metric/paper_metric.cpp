@@ -52,7 +52,14 @@ PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Optio
       normal_(regions_.size()),
       color_(regions_.size()) {
   StopCheck check(stop);
-  check.for_each(0, regions_.size(), [&](std::size_t r) { find_features(r); });
+  std::vector<Vec3> rgb(regions_.size());
+  check.for_each_block(0, regions_.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t r = first; r < last; ++r) {
+      find_surface(r);
+      rgb[r] = (1.0 / regions_[r].points) * regions_[r].color_sum;
+    }
+    metric_kernels().srgb_to_lab(rgb.data() + first, last - first, color_.data() + first);
+  });
   std::vector<double> color(graph.edges.size()), geometry(graph.edges.size());
   check.for_each_block(0, graph.edges.size(), [&](std::size_t first, std::size_t last) {
     const auto pairs = std::span(graph.edges).subspan(first, last - first);
@@ -60,6 +67,8 @@ PaperMetric::PaperMetric(const RegionGraph& graph, const View& view, const Optio
     geometry_distances(pairs, geometry.data() + first);
   });
   unification_ = learn(options, color, geometry, stop);
+  initial_.resize(graph.edges.size());
+  check.for_each(0, initial_.size(), [&](std::size_t e) { initial_[e] = unification_(color[e], geometry[e]); });
 }
 
 double PaperMetric::dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence&) const {
@@ -82,10 +91,11 @@ void PaperMetric::dissimilarities(std::span<const RegionEdge> pairs, double* res
 
 void PaperMetric::merge(std::uint32_t into, std::uint32_t from) {
   regions_[into].merge(regions_[from]);
-  find_features(into);
+  find_surface(into);
+  color_[into] = srgb_to_lab((1.0 / regions_[into].points) * regions_[into].color_sum);
 }
 
-void PaperMetric::find_features(std::size_t r) {
+void PaperMetric::find_surface(std::size_t r) {
   const Region& region = regions_[r];
   Vec3 normal = smallest_eigenvector(region.scatter);
   if (normal == Vec3{}) normal = unit(region.normal_sum);  // too few voxels for a plane of its own
@@ -96,7 +106,6 @@ void PaperMetric::find_features(std::size_t r) {
   }
   centroid_[r] = region.centroid;
   normal_[r] = normal;
-  color_[r] = srgb_to_lab((1.0 / region.points) * region.color_sum);
 }
 
 void PaperMetric::color_distances(std::span<const RegionEdge> pairs, double* result) const {

@@ -36,6 +36,8 @@ class PaperMetric {
   double dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence& = {}) const;
   /// Of all pairs: a sixth of the time that one after the other takes.
   void dissimilarities(std::span<const RegionEdge> pairs, double* result) const;
+  /// Of the edges of the graph, before any merge: a tenth of merging is that they are not computed twice.
+  std::span<const double> initial_dissimilarities() const { return initial_; }
   double weight(double dissimilarity) const { return dissimilarity; }
   bool too_small(std::uint32_t r) const { return regions_[r].points < min_points_; }
 
@@ -46,7 +48,7 @@ class PaperMetric {
   double lambda() const { return unification_.lambda(); }
 
  private:
-  void find_features(std::size_t r);
+  void find_surface(std::size_t r);
   void color_distances(std::span<const RegionEdge> pairs, double* result) const;     // delta_C
   void geometry_distances(std::span<const RegionEdge> pairs, double* result) const;  // delta_G or delta'_G
 
@@ -58,6 +60,7 @@ class PaperMetric {
   std::vector<Vec3> centroid_, normal_;
   std::vector<Lab> color_;
   Unification unification_;
+  std::vector<double> initial_;
 };
 
 }  // namespace segserve

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "segserve/math/cpu.hpp"
+#include "segserve/math/elementary.hpp"
 #include "segserve/metric/color.hpp"
 #include "segserve/metric/paper_metric.hpp"
 
@@ -71,6 +72,46 @@ TEST(MetricKernels, GiveWhatOnePairAloneGetsInEitherOrder) {
     EXPECT_EQ(std::bit_cast<std::uint64_t>(geometric_term(r.centroid[b], r.normal[b], r.centroid[a], r.normal[a])),
               bits[r.pairs.size() + i])
         << a << ", " << b;
+  }
+}
+
+/// The formula of CIE 1976 L*a*b* and sRGB, by the functions of math/elementary.hpp.
+Lab lab_by_formula(const Vec3& rgb) {
+  const auto linear = [](double channel) {
+    const double c = channel / 255;
+    return c <= 0.04045 ? c / 12.92 : math::pow((c + 0.055) / 1.055, 2.4);
+  };
+  const auto curve = [](double t) {
+    constexpr double kDelta = 6.0 / 29;
+    return t > kDelta * kDelta * kDelta ? math::cbrt(t) : t / (3 * kDelta * kDelta) + 4.0 / 29;
+  };
+  const double r = linear(rgb.x), g = linear(rgb.y), b = linear(rgb.z);
+  const double fx = curve((0.4124564 * r + 0.3575761 * g + 0.1804375 * b) / 0.95047);
+  const double fy = curve(0.2126729 * r + 0.7151522 * g + 0.0721750 * b);
+  const double fz = curve((0.0193339 * r + 0.1191920 * g + 0.9503041 * b) / 1.08883);
+  return {116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)};
+}
+
+TEST(MetricKernels, ConvertColorsByTheFormulaBitForBit) {
+  std::mt19937_64 random(2);
+  std::vector<Vec3> rgb{{0, 0, 0}, {255, 255, 255}, {10.31, 10.32, 0.5}};
+  const auto channel = [&] { return static_cast<double>(random() % 255'001) / 1000; };
+  while (rgb.size() < 1000) rgb.push_back({channel(), channel(), channel()});
+  for (const Cpu cpu : {Cpu::kAny, best_cpu()}) {
+    use_cpu(cpu);
+    const MetricKernels& kernels = metric_kernels();
+    use_cpu(best_cpu());
+    for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{6}, rgb.size()}) {
+      std::vector<Lab> colors(count + 1, Lab{-1, -1, -1});
+      kernels.srgb_to_lab(rgb.data(), count, colors.data());
+      for (std::size_t i = 0; i < count; ++i) {
+        const Lab expected = lab_by_formula(rgb[i]);
+        EXPECT_EQ(colors[i].l, expected.l) << i;
+        EXPECT_EQ(colors[i].a, expected.a) << i;
+        EXPECT_EQ(colors[i].b, expected.b) << i;
+      }
+      EXPECT_EQ(colors[count].l, -1);
+    }
   }
 }
 

@@ -14,8 +14,11 @@ struct Surfaces {
   const Vec3* normal;  ///< unit, or 0
 };
 
-/// What metrics compute of many pairs of regions, compiled once for each kind of CPU. All give the same bytes.
+/// What metrics compute of many regions, or pairs of regions, compiled once for each kind of CPU. All give the same
+/// bytes.
 struct MetricKernels {
+  /// The colours `rgb`, sRGB (IEC 61966-2-1) with channels 0..255.
+  void (*srgb_to_lab)(const Vec3* rgb, std::size_t count, Lab* colors);
   /// CIEDE2000 between the colours of the two regions of each pair, which need not be in order.
   void (*color_differences)(const Lab* colors, const RegionEdge* pairs, std::size_t count, double* differences);
   /// eq. 5 of each pair; eq. 7 if `halve_convex`.
