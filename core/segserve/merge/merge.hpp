@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <span>
@@ -81,10 +82,10 @@ class Merger {
     check_.for_each(0, points.size(),
                     [&](std::size_t r) { points[r] = metric_.points(static_cast<std::uint32_t>(r)); });
     TreeBuilder tree(std::move(points));
-    while (best_.winner().turn != Turn::kNever && !check_.after(1)) {
+    while (best_.winner().turn() != Turn::kNever && !check_.after(1)) {
       const Edge edge = best_.winner();
-      tree.merge(edge.a, edge.b, weight(edge));
-      unite(edge.a, edge.b);
+      tree.merge(edge.a(), edge.b(), weight(edge));
+      unite(edge.a(), edge.b());
     }
     tree.join_components(check_);
     if (absl::Status status = stop_.check(); !status.ok()) return status;
@@ -106,17 +107,36 @@ class Merger {
     Link back_to(std::uint32_t r) const { return {r, below, dissimilarity, evidence}; }
   };
 
-  /// Equal dissimilarities: the smaller ids first. Mostly the first comparison decides.
-  struct Edge {
-    Turn turn = Turn::kNever;
-    double dissimilarity = 0;
-    std::uint32_t a = 0, b = 0;
-    bool operator==(const Edge&) const = default;
-    bool operator<(const Edge& o) const {
-      if (turn != o.turn) return turn < o.turn;
-      if (dissimilarity != o.dissimilarity) return dissimilarity < o.dissimilarity;
-      return a != o.a ? a < o.a : b < o.b;
+  /// Equal dissimilarities: the smaller ids first. All in one number, whose comparison takes no branch: a tournament's
+  /// would be mispredicted.
+  class Edge {
+   public:
+    Edge() : Edge(Turn::kNever, 0, 0, 0) {}
+    Edge(Turn turn, double dissimilarity, std::uint32_t a, std::uint32_t b)
+        : key_(Key{static_cast<std::uint8_t>(turn)} << (64 + 2 * kIdBits) |
+               Key{ascending(dissimilarity)} << (2 * kIdBits) | Key{a} << kIdBits | b) {}
+
+    Turn turn() const { return static_cast<Turn>(key_ >> (64 + 2 * kIdBits)); }
+    double dissimilarity() const { return of_ascending(static_cast<std::uint64_t>(key_ >> (2 * kIdBits))); }
+    std::uint32_t a() const { return static_cast<std::uint32_t>(key_ >> kIdBits) & kIdMask; }
+    std::uint32_t b() const { return static_cast<std::uint32_t>(key_) & kIdMask; }
+    bool operator==(const Edge& o) const { return key_ == o.key_; }
+    bool operator<(const Edge& o) const { return key_ < o.key_; }
+
+   private:
+    __extension__ using Key = unsigned __int128;
+    static constexpr int kIdBits = 31;
+    static constexpr std::uint32_t kIdMask = (std::uint32_t{1} << kIdBits) - 1;
+    static constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
+
+    /// Integers in the order of the doubles, of which none is NaN, and back; -0 counts as 0.
+    static std::uint64_t ascending(double d) {
+      const auto bits = std::bit_cast<std::uint64_t>(d + 0.0);
+      return (bits & kSign) != 0 ? ~bits : bits | kSign;
     }
+    static double of_ascending(std::uint64_t n) { return std::bit_cast<double>((n & kSign) != 0 ? n ^ kSign : ~n); }
+
+    Key key_;
   };
 
   Link link(std::uint32_t to, double dissimilarity, const Evidence& evidence) const {
@@ -124,23 +144,13 @@ class Merger {
     return {to, below_(weight, dissimilarity), dissimilarity, evidence};
   }
 
-  void measure(std::span<const RegionEdge> pairs, std::span<const Evidence> evidence, double* result) const {
-    if constexpr (BatchMetric<M>) {
-      metric_.dissimilarities(pairs, result);
-    } else {
-      for (std::size_t i = 0; i < pairs.size(); ++i) {
-        result[i] = metric_.dissimilarity(pairs[i].a, pairs[i].b, evidence[i]);
-      }
-    }
-  }
-
   std::span<const double> measure_all(std::span<const RegionEdge> edges, std::span<const Evidence> evidence) {
     if constexpr (BatchMetric<M>) {
       return metric_.initial_dissimilarities();
     } else {
       measured_.resize(edges.size());
-      check_.for_each_block(0, edges.size(), [&](std::size_t first, std::size_t last) {
-        measure(edges.subspan(first, last - first), evidence.subspan(first, last - first), measured_.data() + first);
+      check_.for_each(0, edges.size(), [&](std::size_t e) {
+        measured_[e] = metric_.dissimilarity(edges[e].a, edges[e].b, evidence[e]);
       });
       return measured_;
     }
@@ -149,15 +159,15 @@ class Merger {
   /// All edges of region p anew.
   void measure_links(std::uint32_t p) {
     std::vector<Link>& links = links_[p];
-    pairs_.clear();
-    evidence_.clear();
-    for (const Link& to : links) {
-      pairs_.push_back({p, to.region});
-      evidence_.push_back(to.evidence);
+    if constexpr (BatchMetric<M>) {
+      pairs_.clear();
+      for (const Link& to : links) pairs_.push_back({p, to.region});
+      measured_.resize(links.size());
+      metric_.dissimilarities(pairs_, measured_.data());
+      for (std::size_t i = 0; i < links.size(); ++i) links[i] = link(links[i].region, measured_[i], links[i].evidence);
+    } else {
+      for (Link& to : links) to = link(to.region, metric_.dissimilarity(p, to.region, to.evidence), to.evidence);
     }
-    measured_.resize(links.size());
-    measure(pairs_, evidence_, measured_.data());
-    for (std::size_t i = 0; i < links.size(); ++i) links[i] = link(links[i].region, measured_[i], links[i].evidence);
   }
 
   Edge edge(std::uint32_t a, const Link& link) const {
@@ -178,9 +188,9 @@ class Merger {
   }
 
   double weight(const Edge& e) const {
-    const double weight = metric_.weight(e.dissimilarity);
+    const double weight = metric_.weight(e.dissimilarity());
     constexpr double kJustBelow = 1 - 1e-12;
-    return e.turn == Turn::kTooSmall ? std::min(weight, kJustBelow * threshold_) : weight;
+    return e.turn() == Turn::kTooSmall ? std::min(weight, kJustBelow * threshold_) : weight;
   }
 
   /// r_p takes over r_q (p < q), its points and its edges.
@@ -221,11 +231,11 @@ class Merger {
     const std::uint32_t n = link.region;
     std::vector<Link>& links = links_[n];
     const Link back = link.back_to(p);
-    auto at = std::ranges::lower_bound(links, p, {}, &Link::region);
+    Link* const at = not_before(links, p);
     if (had_q) {
-      const auto old = std::ranges::lower_bound(at, links.end(), q, {}, &Link::region);
+      Link* const old = not_before(links, q);
       if (at->region == p) {
-        links.erase(old);
+        links.erase(links.begin() + (old - links.data()));
       } else {  // what stands between makes room
         std::move_backward(at, old, old + 1);
       }
@@ -235,9 +245,20 @@ class Merger {
     const Edge candidate = n < p ? edge(n, back) : Edge{};
     if (candidate < best) {
       best_.set(n, candidate);
-    } else if (best.turn != Turn::kNever && (best.b == p || best.b == q) && candidate != best) {
+    } else if (best.turn() != Turn::kNever && (best.b() == p || best.b() == q) && candidate != best) {
       find_best(n);
     }
+  }
+
+  /// The first link to `region` or a larger one; to the last if there is none. Without branches.
+  static Link* not_before(std::vector<Link>& links, std::uint32_t region) {
+    Link* first = links.data();
+    for (std::size_t left = links.size(); left > 1;) {
+      const std::size_t half = left / 2;
+      first += static_cast<std::size_t>(first[half - 1].region < region) * half;
+      left -= half;
+    }
+    return first;
   }
 
   /// Every edge takes part once: for the smaller of its regions.
@@ -246,9 +267,9 @@ class Merger {
     const std::vector<Link>& links = links_[r];
     check_.after(links.size());
     for (auto link = links.rbegin(); link != links.rend() && link->region > r; ++link) {
-      if (!link->below && best.turn == Turn::kFirst) continue;
+      if (!link->below && best.turn() == Turn::kFirst) continue;
       const Edge candidate = edge(r, *link);
-      if (candidate < best) best = candidate;
+      best = std::min(candidate, best);
     }
     best_.set(r, best);
   }
@@ -262,7 +283,6 @@ class Merger {
   std::vector<Link> united_;
   std::vector<std::uint8_t> had_q_;
   std::vector<RegionEdge> pairs_;
-  std::vector<Evidence> evidence_;
   std::vector<double> measured_;
   Tournament<Edge> best_;
 };
