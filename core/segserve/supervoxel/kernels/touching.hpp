@@ -21,7 +21,7 @@ SEGSERVE_INLINE Int eight_of(const std::uint32_t* numbers, std::uint32_t at, std
 /// The owners of eight voxels.
 SEGSERVE_INLINE Int owners(const growth::Voxel* voxels, Int of) {
   static_assert(sizeof(growth::Voxel) == 64);  // eight times what a gather multiplies by
-#if defined(__clang__)                            // which names it otherwise
+#if defined(__clang__)                         // which names it otherwise
   return __builtin_ia32_gatherd_d256(Int{}, reinterpret_cast<const int*>(&voxels->owner), of << 3, ~Int{}, 8);
 #else
   return __builtin_ia32_gathersiv8si(Int{}, reinterpret_cast<const int*>(&voxels->owner), of << 3, ~Int{}, 8);
