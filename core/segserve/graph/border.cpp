@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "segserve/math/elementary.hpp"
 
@@ -15,12 +16,13 @@ class Concavity {
     if (dead_zone > 0 && dead_zone < 180) flat_ = math::cos(dead_zone * math::kDegree) + kClear;
   }
 
+  /// Whether unit normals are surely within the dead zone: nine of ten pairs, without looking at anything else.
+  bool flat(const Vec3& na, const Vec3& nb) const { return dot(na, nb) > flat_; }
+
   /// Angle of the unit normals beyond the dead zone in degrees where the pair is concave, else 0.
   double operator()(const Vec3& xa, const Vec3& na, const Vec3& xb, const Vec3& nb) const {
-    const double cosine = dot(na, nb);
-    if (cosine > flat_) return 0;  // within the dead zone: nine of ten pairs, without looking at anything else
     if (dot(na - nb, xa - xb) >= 0 || na == Vec3{} || nb == Vec3{}) return 0;
-    return std::max(0.0, math::atan2(norm(cross(na, nb)), cosine) / math::kDegree - dead_zone_);
+    return std::max(0.0, math::atan2(norm(cross(na, nb)), dot(na, nb)) / math::kDegree - dead_zone_);
   }
 
  private:
@@ -29,6 +31,20 @@ class Concavity {
   double dead_zone_;
   double flat_ = 2;  // a larger cosine of the normals: surely within the dead zone
 };
+
+constexpr std::size_t kTogether = 512;  // contacts
+
+/// The contacts that are not surely flat, without a branch for each. Returns their number; `bent` has room for all and
+/// one more.
+std::size_t find_bent(const Concavity& concavity, const std::vector<Vec3>& normals, std::span<const Contact> contacts,
+                      Contact* bent) {
+  std::size_t found = 0;
+  for (const Contact& contact : contacts) {
+    bent[found] = contact;
+    found += static_cast<std::size_t>(!concavity.flat(normals[contact.v], normals[contact.u]));
+  }
+  return found;
+}
 
 /// Finds the edges of a graph by their regions.
 class EdgeIndex {
@@ -77,15 +93,27 @@ void measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const std:
   EdgeIndex edges(graph, check);
   borders.assign(graph.edges.size(), Border{});
   const Concavity concavity(dead_zone);
-  check.for_each(0, graph.contacts.size(), [&](std::size_t c) {
-    const auto [v, u] = graph.contacts[c];
-    const std::uint32_t s = supervoxels.of_voxel[v], t = supervoxels.of_voxel[u];
-    Border& border = borders[edges.find(std::min(s, t), std::max(s, t))];
-    border.voxel_pairs += 1;
-    const double angle = concavity(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
-    if (angle > 0) border.concavity += angle;
+  const auto edge_of = [&](const Contact& contact) {
+    const std::uint32_t s = supervoxels.of_voxel[contact.v], t = supervoxels.of_voxel[contact.u];
+    return edges.find(std::min(s, t), std::max(s, t));
+  };
+  std::vector<std::uint32_t> pairs(borders.size());
+  std::array<Contact, kTogether + 1> bent;
+  check.for_each_block(0, graph.contacts.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin; first < end; first += kTogether) {
+      const auto some = graph.contacts.subspan(first, std::min(kTogether, end - first));
+      for (const Contact& contact : some) ++pairs[edge_of(contact)];
+      const std::size_t count = find_bent(concavity, normals, some, bent.data());
+      for (const Contact& contact : std::span(bent).first(count)) {
+        const auto [v, u] = contact;
+        borders[edge_of(contact)].concavity += concavity(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
+      }
+    }
   });
-  check.for_each(0, borders.size(), [&](std::size_t e) { borders[e].concavity /= borders[e].voxel_pairs; });
+  check.for_each(0, borders.size(), [&](std::size_t e) {
+    borders[e].voxel_pairs = pairs[e];
+    borders[e].concavity /= borders[e].voxel_pairs;
+  });
 }
 
 }  // namespace segserve
