@@ -52,16 +52,18 @@ template <Metric M>
 class Merger {
  public:
   using Evidence = typename M::Evidence;
+  class Scratch;
 
   /// `edges`: those of the graph that the metric looks at; `evidence` has one entry an edge.
   Merger(std::span<const RegionEdge> edges, std::span<const Evidence> evidence, double threshold, M& metric,
-         const StopToken& stop)
+         const StopToken& stop, Scratch& scratch)
       : metric_(metric),
         threshold_(threshold),
         below_([&metric](double dissimilarity) { return metric.weight(dissimilarity); }, threshold),
         stop_(stop),
         check_(stop),
-        links_(metric.region_count()),
+        regions_(static_cast<std::uint32_t>(metric.region_count())),
+        links_(scratch.links_),
         best_(metric.region_count(), Edge{}) {
     reserve_links(edges);
     const std::span<const double> initial = measure_all(edges, evidence);
@@ -70,7 +72,7 @@ class Merger {
       links_[a].push_back(link(b, initial[e], evidence[e]));
       links_[b].push_back(links_[a].back().back_to(a));
     });
-    for (std::uint32_t r = 0; r < links_.size() && !check_.after(1 + links_[r].size()); ++r) {
+    for (std::uint32_t r = 0; r < regions_ && !check_.after(1 + links_[r].size()); ++r) {
       if (!std::ranges::is_sorted(links_[r], {}, &Link::region)) std::ranges::sort(links_[r], {}, &Link::region);
       find_best(r);
     }
@@ -78,7 +80,7 @@ class Merger {
 
   absl::StatusOr<MergeTree> run() {
     if (absl::Status status = stop_.check(); !status.ok()) return status;
-    std::vector<std::uint32_t> points(links_.size());
+    std::vector<std::uint32_t> points(regions_);
     check_.for_each(0, points.size(),
                     [&](std::size_t r) { points[r] = metric_.points(static_cast<std::uint32_t>(r)); });
     TreeBuilder tree(std::move(points));
@@ -180,11 +182,15 @@ class Merger {
     return {turn, link.dissimilarity, a, link.region};
   }
 
-  /// One allocation a region instead of one for each doubling.
+  /// One allocation a region at most, instead of one for each doubling.
   void reserve_links(std::span<const RegionEdge> edges) {
-    std::vector<std::uint32_t> count(links_.size(), 0);
+    if (links_.size() < regions_) links_.resize(regions_);
+    std::vector<std::uint32_t> count(regions_, 0);
     check_.for_each(0, edges.size(), [&](std::size_t e) { ++count[edges[e].a], ++count[edges[e].b]; });
-    check_.for_each(0, count.size(), [&](std::size_t r) { links_[r].reserve(count[r] + kSpareLinks); });
+    check_.for_each(0, count.size(), [&](std::size_t r) {
+      links_[r].clear();
+      links_[r].reserve(count[r] + kSpareLinks);
+    });
   }
 
   double weight(const Edge& e) const {
@@ -197,7 +203,7 @@ class Merger {
   void unite(std::uint32_t p, std::uint32_t q) {
     metric_.merge(p, q);
     unite_links(p, q);
-    links_[q] = {};
+    links_[q].clear();
     best_.set(q, Edge{});
     check_.after(2 * links_[p].size());
     measure_links(p);
@@ -279,7 +285,8 @@ class Merger {
   BelowThreshold below_;
   const StopToken& stop_;
   StopCheck check_;
-  std::vector<std::vector<Link>> links_;
+  const std::uint32_t regions_;
+  std::vector<std::vector<Link>>& links_;  // of each region; there may be more
   std::vector<Link> united_;
   std::vector<std::uint8_t> had_q_;
   std::vector<RegionEdge> pairs_;
@@ -287,13 +294,29 @@ class Merger {
   Tournament<Edge> best_;
 };
 
+/// Buffers of `merge_regions` that are worth keeping between calls.
+template <Metric M>
+class Merger<M>::Scratch {
+  friend class Merger;
+  std::vector<std::vector<Link>> links_;
+};
+
 /// The merge tree of a graph under a metric, which is used up. `evidence`: one entry an edge; `threshold`, [0, 1]: from
 /// there on no region that is too small is left. CANCELLED, DEADLINE_EXCEEDED.
 template <Metric M>
 absl::StatusOr<MergeTree> merge_regions(std::span<const RegionEdge> edges,
                                         std::span<const typename M::Evidence> evidence, double threshold, M& metric,
+                                        const StopToken& stop, typename Merger<M>::Scratch& scratch) {
+  return Merger<M>(edges, evidence, threshold, metric, stop, scratch).run();
+}
+
+/// The same for a single graph.
+template <Metric M>
+absl::StatusOr<MergeTree> merge_regions(std::span<const RegionEdge> edges,
+                                        std::span<const typename M::Evidence> evidence, double threshold, M& metric,
                                         const StopToken& stop = {}) {
-  return Merger<M>(edges, evidence, threshold, metric, stop).run();
+  typename Merger<M>::Scratch scratch;
+  return merge_regions<M>(edges, evidence, threshold, metric, stop, scratch);
 }
 
 }  // namespace segserve

@@ -57,18 +57,19 @@ absl::Status border_normals(const VoxelGrid& grid, const View& view, const Super
 
 /// The dendrogram by the paper's metric delta (eq. 3). `lambda`: what Adaptive Lambda found.
 absl::StatusOr<MergeTree> merge_by_paper(const RegionGraph& graph, const View& view, const Options& options,
-                                         const StopToken& stop, double& lambda) {
+                                         const StopToken& stop, Merger<PaperMetric>::Scratch& scratch, double& lambda) {
   PaperMetric metric(graph, view, options, stop);
   if (absl::Status status = stop.check(); !status.ok()) return status;
   lambda = metric.lambda();
   const std::vector<PaperMetric::Evidence> none(graph.edges.size());
-  return merge_regions<PaperMetric>(graph.edges, none, settled_threshold(options), metric, stop);
+  return merge_regions<PaperMetric>(graph.edges, none, settled_threshold(options), metric, stop, scratch);
 }
 
 /// The dendrogram by what the borders between supervoxels look like.
 absl::StatusOr<MergeTree> merge_by_border(const RegionGraph& graph, const VoxelGrid& grid,
                                           const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
-                                          const Options& options, const StopToken& stop, std::vector<Border>& borders) {
+                                          const Options& options, const StopToken& stop, std::vector<Border>& borders,
+                                          Merger<BorderMetric>::Scratch& scratch) {
   const BorderOptions constants;
   const SupervoxelOptions settings = supervoxel_options(options);
   measure_borders(graph, grid, normals, supervoxels, constants.dead_zone, stop, borders);
@@ -77,7 +78,7 @@ absl::StatusOr<MergeTree> merge_by_border(const RegionGraph& graph, const VoxelG
       border_evidence(graph, borders, settings.voxel_resolution, settings.seed_resolution, constants, stop);
   if (absl::Status status = stop.check(); !status.ok()) return status;
   BorderMetric metric(graph, options.min_segment_points, constants);
-  return merge_regions<BorderMetric>(graph.edges, evidence, settled_threshold(options), metric, stop);
+  return merge_regions<BorderMetric>(graph.edges, evidence, settled_threshold(options), metric, stop, scratch);
 }
 
 absl::StatusOr<Cut> cut(const MergeTree& tree, const Options& options, const StopToken& stop) {
@@ -155,6 +156,8 @@ struct Segmenter::Workspace {
   GraphScratch graph_scratch;
   RegionGraph graph;
   std::vector<Border> borders;
+  Merger<BorderMetric>::Scratch border_merging;
+  Merger<PaperMetric>::Scratch paper_merging;
   std::vector<PointLabels> labels;
 };
 
@@ -170,7 +173,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
   auto& [scratch, grid, adjacency, normals_scratch, normals, seeding, seeds, growth, supervoxels, graph_scratch, graph,
-         borders, labels] = *workspace_;
+         borders, border_merging, paper_merging, labels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -216,12 +219,13 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.graph = watch.lap();
 
   // Its weights W^m; then the two most similar regions become one, again and again: the dendrogram D.
-  absl::StatusOr<MergeTree> tree = options.method == Method::kBorder
-                                       ? merge_by_border(graph, grid, normals, supervoxels, options, stop, borders)
-                                       : merge_by_paper(graph, cloud.view, options, stop, result.lambda);
+  absl::StatusOr<MergeTree> tree =
+      options.method == Method::kBorder
+          ? merge_by_border(graph, grid, normals, supervoxels, options, stop, borders, border_merging)
+          : merge_by_paper(graph, cloud.view, options, stop, paper_merging, result.lambda);
   if (!tree.ok()) return tree.status();
   result.tree = *std::move(tree);
-  make_room(grid, graph_scratch, graph, borders);
+  make_room(grid, graph_scratch, graph, borders, border_merging, paper_merging);
   timings.merging = watch.lap();
 
   // One level of it labels every input point.

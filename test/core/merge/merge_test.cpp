@@ -87,13 +87,14 @@ TEST_P(MergeOracle, TheFastLoopEqualsTheNaiveOneMergeByMerge) {
   Options options;
   options.method = GetParam();
   options.min_segment_points = 40;
+  Merger<PaperMetric>::Scratch scratch;  // of all graphs, larger and smaller: nothing of one is left for the next
   for (const auto& [regions, density] : {std::pair{2U, 1.0}, {40U, 0.15}, {60U, 0.02}, {60U, 0.5}, {25U, 0.0}}) {
     for (int trial = 0; trial < 4; ++trial) {
       const RegionGraph graph = random_graph(random, regions, density);
       PaperMetric metric(graph, View::camera(), options);
       const MergeTree expected = merge_naively(graph, metric);
       const absl::StatusOr<MergeTree> tree = merge_regions<PaperMetric>(
-          graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), kThreshold, metric);
+          graph.edges, std::vector<PaperMetric::Evidence>(graph.edges.size()), kThreshold, metric, {}, scratch);
       ASSERT_TRUE(tree.ok());
       EXPECT_TRUE(*tree == expected) << regions << " regions, density " << density << ", trial " << trial;
       EXPECT_TRUE(check(*tree).ok()) << check(*tree);
