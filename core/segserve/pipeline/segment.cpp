@@ -183,6 +183,9 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   status =
       voxelize(cloud, settings.voxel_resolution, options.threads, stop, scratch, grid, Selection(options, cloud.view));
   if (!status.ok()) return status;
+  if (grid.size() >= kManyVoxels) {
+    for (VoxelPart& part : scratch.parts) part.table.free_if_scattered();
+  }
   timings.voxels = watch.lap();
 
   // .. and a normal, from the plane through its neighbourhood; ours does not reach across edges. What supports the

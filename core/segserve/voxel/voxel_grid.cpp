@@ -36,7 +36,7 @@ void unite_parts(std::vector<VoxelPart>& parts, std::size_t points, unsigned thr
     united[p].assign(voxels.size() + 1, 0);
     VoxelTable::Lookups lookups(parts[0].table, voxels.size());
     const bool complete = check.for_each(0, voxels.size(), [&](std::size_t s) {
-      const std::uint32_t slot = lookups.find_or_insert(voxels[s].key, VoxelTable::hash(voxels[s].key));
+      const std::uint32_t slot = lookups.find_or_insert(voxels[s].key);
       parts[0].table.voxel(slot).add(voxels[s]);
       united[p][s + 1] = slot;
     });

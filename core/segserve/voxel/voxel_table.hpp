@@ -1,9 +1,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "segserve/voxel/kernels/kernels.hpp"
@@ -36,112 +39,159 @@ struct alignas(64) VoxelSums {
   }
 };
 
-/// Voxels in blocks, so that they never move: for those who grow by millions, no copies and no second place to copy to.
-class VoxelList {
+/// Items in blocks, so that they never move: for those who grow by millions, no copies and no second place to copy to.
+template <typename T, std::size_t kBlock>
+class BlockList {
  public:
   std::size_t size() const { return size_; }
-  const VoxelSums& operator[](std::size_t i) const { return blocks_[i / kBlock][i % kBlock]; }
-  VoxelSums& operator[](std::size_t i) { return blocks_[i / kBlock][i % kBlock]; }
+  const T& operator[](std::size_t i) const { return blocks_[i / kBlock][i % kBlock]; }
+  T& operator[](std::size_t i) { return blocks_[i / kBlock][i % kBlock]; }
 
-  /// Room for so many; what stands there is no voxel until `resize` says so.
+  /// Room for so many; what stands there is no item until `resize` says so.
   void reserve(std::size_t count) {
-    while (blocks_.size() * kBlock < count) blocks_.push_back(std::make_unique_for_overwrite<VoxelSums[]>(kBlock));
+    while (blocks_.size() * kBlock < count) blocks_.push_back(std::make_unique_for_overwrite<T[]>(kBlock));
   }
   void resize(std::size_t size) { size_ = size; }
+  void free() { *this = BlockList(); }
 
  private:
-  static constexpr std::size_t kBlock = std::size_t{1} << 13U;
-
-  std::vector<std::unique_ptr<VoxelSums[]>> blocks_;
+  std::vector<std::unique_ptr<T[]>> blocks_;
   std::size_t size_ = 0;
 };
 
-/// Open-addressing hash table from voxel keys to consecutive slots 1, 2, ..; load at most one half. It holds the slots
-/// alone, and compares the keys in the sums, which are needed next anyway.
+using VoxelList = BlockList<VoxelSums, std::size_t{1} << 13U>;
+
+/// Cells of 4 x 4 x 4, and the slots of their voxels; 0 where there is none.
+struct Cube {
+  std::array<std::uint32_t, 64> slots;
+
+  static constexpr VoxelKey kInside = VoxelKey{3} | VoxelKey{3} << kCellBits | VoxelKey{3} << (2 * kCellBits);
+
+  /// The key of its first cell names a cube.
+  static VoxelKey of(VoxelKey key) { return key & ~kInside; }
+  std::uint32_t& slot(VoxelKey key) {
+    return slots[(key & 3U) | (key >> (kCellBits - 2) & 12U) | (key >> (2 * kCellBits - 4) & 48U)];
+  }
+};
+
+/// From voxel keys to consecutive slots 1, 2, ..: an open-addressing hash table of cubes, load at most one half. Points
+/// next to each other lie in the same few cubes, so that large clouds find them in the caches: 262 -> 173 ms of 10
+/// million points. And a cell needs no search, in which what comes next can hardly be predicted.
 class VoxelTable {
  public:
   VoxelTable() { clear(); }
 
   void clear() {
-    if (places_.size() > kSmallest && places_.size() > 16 * voxels_.size()) {
-      places_.resize(kSmallest);  // a small cloud after a large one must not pay for the large table
-    }
-    places_.assign(places_.empty() ? kSmallest : places_.size(), 0);
+    if (places_.size() > 16 * cubes_.size()) places_.clear();  // a small cloud after a large one must not pay for it
+    set_places(std::max(places_.size(), kFewest));
+    cubes_.resize(0);
     voxels_.resize(0);
+  }
+
+  /// Clears it of a scattered cloud, whose cubes take more memory than its voxels, and gives that back.
+  void free_if_scattered() {
+    if (cubes_.size() * sizeof(Cube) <= voxels_.size() * sizeof(VoxelSums)) return;
+    clear();
+    cubes_.free();
+    voxels_.free();
   }
 
   /// In the order of their slots.
   const VoxelList& voxels() const { return voxels_; }
   VoxelSums& voxel(std::uint32_t slot) { return voxels_[slot - 1]; }
 
-  static std::uint32_t hash(VoxelKey key) { return static_cast<std::uint32_t>((key * 0x9e3779b97f4a7c15ULL) >> 32U); }
+  static std::uint32_t hash(VoxelKey key) {
+    return static_cast<std::uint32_t>((Cube::of(key) * 0x9e3779b97f4a7c15ULL) >> 32U);
+  }
 
   /// Looks up many keys, at most `most` of them new. The table is of no use to others meanwhile.
   class Lookups;
 
  private:
-  static constexpr std::size_t kSmallest = std::size_t{1} << 15U;
+  static constexpr std::size_t kFewest = std::size_t{1} << 13U;
 
-  void reserve(std::size_t more) {
-    while (2 * (voxels_.size() + more) > places_.size()) double_places();
-    voxels_.reserve(voxels_.size() + more + 1);
+  struct Place {
+    VoxelKey key = 0;      // of the cube
+    Cube* cube = nullptr;  // null: free
+  };
+
+  void set_places(std::size_t count) {
+    places_.assign(count, Place{});
+    shift_ = 32 - std::countr_zero(count);
+  }
+
+  /// An empty one, and a place for it.
+  __attribute__((noinline)) Cube& add_cube(VoxelKey key, std::uint32_t hash) {
+    if (2 * (cubes_.size() + 1) > places_.size()) double_places();
+    cubes_.reserve(cubes_.size() + 1);
+    cubes_.resize(cubes_.size() + 1);
+    Cube& cube = cubes_[cubes_.size() - 1];
+    cube.slots.fill(0);
+    find(key, hash) = {key, &cube};
+    return cube;
   }
 
   void double_places() {
-    places_.assign(2 * places_.size(), 0);
-    for (std::size_t i = 0; i < voxels_.size(); ++i) {
-      std::size_t place = hash(voxels_[i].key) & (places_.size() - 1);
-      while (places_[place] != 0) place = (place + 1) & (places_.size() - 1);
-      places_[place] = static_cast<std::uint32_t>(i + 1);
+    const std::vector<Place> old = std::move(places_);
+    set_places(2 * old.size());
+    for (const Place& place : old) {
+      if (place.cube != nullptr) find(place.key, hash(place.key)) = place;
     }
   }
 
-  std::vector<std::uint32_t> places_;  // slots, 0 where free
+  /// The place of a cube, or the free one that it shall have.
+  Place& find(VoxelKey cube, std::uint32_t hash) {
+    std::size_t place = hash >> shift_;
+    while (places_[place].key != cube && places_[place].cube != nullptr) place = (place + 1) & (places_.size() - 1);
+    return places_[place];
+  }
+
+  std::vector<Place> places_;
+  int shift_ = 0;  // of a hash: what is left of it is the place to start from
+  BlockList<Cube, std::size_t{1} << 9U> cubes_;
   VoxelList voxels_;
 };
 
 class VoxelTable::Lookups {
  public:
   Lookups(VoxelTable& table, std::size_t most) : table_(table) {
-    table.reserve(most);
-    places_ = table.places_.data();
-    mask_ = table.places_.size() - 1;
     size_ = table.voxels_.size();
+    table.voxels_.reserve(size_ + most + 1);
   }
   ~Lookups() { table_.voxels_.resize(size_); }
   Lookups(const Lookups&) = delete;
   Lookups& operator=(const Lookups&) = delete;
 
-  // Both on the way to find_or_insert, the one long before the other: where the table is larger than the caches, many
-  // look-ups wait for memory at the same time.
-  void prefetch_place(std::uint32_t hash) const { __builtin_prefetch(&places_[hash & mask_]); }
-  void prefetch_voxel(std::uint32_t hash) const {
-    const std::uint32_t slot = places_[hash & mask_];
-    __builtin_prefetch(&table_.voxels_[slot == 0 ? size_ : slot - 1]);
+  // A look-up has three steps, for many keys one step after the other: each asks the memory for what the next one
+  // needs, and large clouds have many look-ups wait at the same time.
+
+  void prefetch(std::uint32_t hash) const { __builtin_prefetch(&table_.places_[hash >> table_.shift_]); }
+
+  std::uint32_t* find_cell(VoxelKey key, std::uint32_t hash) {
+    const Place& place = table_.find(Cube::of(key), hash);
+    Cube& cube = place.cube != nullptr ? *place.cube : table_.add_cube(Cube::of(key), hash);
+    std::uint32_t* const cell = &cube.slot(key);
+    __builtin_prefetch(cell);
+    return cell;
   }
 
-  /// The key's slot; a new key gets the next one, its sums 0. Whether it is new decides no branch, which would be
-  /// mispredicted for most of the new ones: a free place leads to the voxel after the last. 0.1 ms a frame.
-  std::uint32_t find_or_insert(VoxelKey key, std::uint32_t hash) {
-    const auto next = static_cast<std::uint32_t>(size_ + 1);
+  /// The slot of a key in its cell; a new key gets the next one, its sums 0. Whether it is new decides no branch, which
+  /// would be mispredicted for most of the new ones: an empty cell leads to the voxel after the last. 0.1 ms a frame.
+  std::uint32_t find_or_insert(VoxelKey key, std::uint32_t* cell) {
     table_.voxels_[size_] = {.key = key};
-    std::size_t place = hash & mask_;
-    while (true) {
-      const std::uint32_t found = places_[place];
-      const std::uint32_t slot = found == 0 ? next : found;
-      if (table_.voxel(slot).key == key) {
-        places_[place] = slot;
-        size_ += static_cast<std::size_t>(found == 0);
-        return slot;
-      }
-      place = (place + 1) & mask_;
-    }
+    const bool is_new = *cell == 0;
+    const std::uint32_t slot = is_new ? static_cast<std::uint32_t>(size_ + 1) : *cell;
+    *cell = slot;
+    size_ += static_cast<std::size_t>(is_new);
+    __builtin_prefetch(&table_.voxels_[slot - 1]);
+    return slot;
   }
+
+  std::uint32_t find_or_insert(VoxelKey key) { return find_or_insert(key, find_cell(key, hash(key))); }
 
  private:
   VoxelTable& table_;
-  std::uint32_t* places_;
-  std::size_t mask_, size_;
+  std::size_t size_;
 };
 
 }  // namespace segserve

@@ -47,16 +47,18 @@ void RangeVoxelizer::find_slots(std::size_t runs) {
   VoxelTable::Lookups lookups(part_.table, runs);
   for (std::size_t run = 0; run < runs; ++run) {
     hash_[run] = VoxelTable::hash(keys_[run_begin_[run]]);
-    lookups.prefetch_place(hash_[run]);
+    lookups.prefetch(hash_[run]);
   }
-  for (std::size_t run = 0; run < runs; ++run) lookups.prefetch_voxel(hash_[run]);
+  for (std::size_t run = 0; run < runs; ++run) cells_[run] = lookups.find_cell(keys_[run_begin_[run]], hash_[run]);
+  for (std::size_t run = 0; run < runs; ++run) {
+    const VoxelKey key = keys_[run_begin_[run]];
+    slot_of_run_[run] = key == kNoKey ? 0 : lookups.find_or_insert(key, cells_[run]);
+  }
   std::size_t finite = 0;
   for (std::size_t run = 0; run < runs; ++run) {
     const std::size_t begin = run_begin_[run], end = run_begin_[run + 1];
-    const VoxelKey key = keys_[begin];
-    std::uint32_t slot = 0;
-    if (key != kNoKey) {
-      slot = lookups.find_or_insert(key, hash_[run]);
+    const std::uint32_t slot = slot_of_run_[run];
+    if (slot != 0) {
       part_.table.voxel(slot).add(sums_[run], sums_[run + 1], end - begin);
       finite += end - begin;
     }

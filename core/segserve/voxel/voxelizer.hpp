@@ -53,7 +53,8 @@ class RangeVoxelizer {
   PerPoint<VoxelKey> keys_;
   PerPoint<std::int32_t> x_, y_, z_;  // fixed point
   PerPoint<PointSums> sums_;          // of the points before each run
-  PerPoint<std::uint32_t> run_begin_, hash_, slots_;
+  PerPoint<std::uint32_t*> cells_;    // of the table, of each run
+  PerPoint<std::uint32_t> run_begin_, hash_, slot_of_run_, slots_;
 };
 
 }  // namespace segserve
