@@ -12,6 +12,7 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check) {
     if (!find_cells(first, count)) return;
     if (!selection_.all()) count_finite(first, count);
     find_slots(find_runs(first, count));
+    if (first + count > slot_of_point_.size()) slot_of_point_.resize(first + count);
     std::copy_n(slots_.begin(), count, slot_of_point_.begin() + static_cast<std::ptrdiff_t>(first));
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <span>
+#include <vector>
 
 #include "segserve/cloud/cloud.hpp"
 #include "segserve/pipeline/stop_token.hpp"
@@ -21,11 +21,12 @@ struct VoxelPart {
   std::size_t finite_points = 0;
 };
 
-/// Voxelises a contiguous range of points, in chunks that stay in the first cache.
+/// Voxelises a contiguous range of points, in chunks that stay in the first cache. `slot_of_point` grows as far as it
+/// has to; where several do this at the same time, it has the slots of all points from the start.
 class RangeVoxelizer {
  public:
   RangeVoxelizer(const CloudView& cloud, const Selection& selection, const CellMapping& mapping, VoxelPart& part,
-                 std::span<std::uint32_t> slot_of_point)
+                 std::vector<std::uint32_t>& slot_of_point)
       : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
 
   void run(std::size_t begin, std::size_t end, StopCheck& check);
@@ -47,7 +48,7 @@ class RangeVoxelizer {
   const Selection& selection_;
   const CellMapping& mapping_;
   VoxelPart& part_;
-  std::span<std::uint32_t> slot_of_point_;
+  std::vector<std::uint32_t>& slot_of_point_;
   const VoxelKernels& kernels_ = voxel_kernels();
 
   PerPoint<VoxelKey> keys_;
