@@ -103,15 +103,19 @@ SEGSERVE_INLINE Real square_root(Real v) {
 #endif
 }
 
-SEGSERVE_INLINE bool any(Int mask) {
+/// Bit i of the result: whether the mask is set in lane i.
+SEGSERVE_INLINE std::uint32_t bits(Int mask) {
 #if defined(__AVX2__)
-  return __builtin_ia32_movmskps256(reinterpret_cast<Float>(mask)) != 0;
+  return static_cast<std::uint32_t>(__builtin_ia32_movmskps256(reinterpret_cast<Float>(mask)));
 #elif defined(__SSE2__)
-  return __builtin_ia32_movmskps(reinterpret_cast<Float>(mask)) != 0;
+  return static_cast<std::uint32_t>(__builtin_ia32_movmskps(reinterpret_cast<Float>(mask)));
 #else
-  return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+  const Int bit = mask & Int{1, 2, 4, 8};
+  return static_cast<std::uint32_t>(bit[0] | bit[1] | bit[2] | bit[3]);
 #endif
 }
+
+SEGSERVE_INLINE bool any(Int mask) { return bits(mask) != 0; }
 
 SEGSERVE_INLINE bool any(RealMask mask) {
 #if defined(__AVX2__)

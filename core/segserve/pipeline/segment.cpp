@@ -19,6 +19,7 @@
 #include "segserve/voxel/normals.hpp"
 #include "segserve/voxel/orientation.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
+#include "segserve/voxel/windows.hpp"
 
 namespace segserve {
 namespace {
@@ -45,13 +46,14 @@ double settled_threshold(const Options& options) {
 /// The border method's neighbours and normals: surfaces hang together where they are sparser than the voxels, and
 /// normals have the right side where the sensor cannot have seen them.
 absl::Status border_normals(const VoxelGrid& grid, const View& view, const SupervoxelOptions& settings,
-                            unsigned threads, const StopToken& stop, NormalsScratch& scratch, VoxelAdjacency& adjacency,
+                            unsigned threads, const StopToken& stop, VoxelWindows& windows, VoxelAdjacency& adjacency,
                             std::vector<Vec3>& normals) {
   const double voxel = settings.voxel_resolution;
   absl::Status status = bridge_islands(grid, view, voxel, {}, stop, adjacency);
-  if (status.ok()) status = compute_normals(grid, adjacency, view, threads, stop, scratch, normals);
+  if (status.ok()) status = find_windows(grid, view, voxel, threads, stop, windows);
+  if (status.ok()) status = window_normals(grid, adjacency, view, stop, windows, normals);
   if (status.ok() && view.sensor) status = orient_hidden(grid, adjacency, view, voxel, stop, normals);
-  if (status.ok()) status = refine_normals(grid, view, voxel, {}, threads, stop, scratch, normals);
+  if (status.ok()) status = refine_normals({}, stop, windows, normals);
   return status;
 }
 
@@ -148,6 +150,7 @@ struct Segmenter::Workspace {
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   NormalsScratch normals_scratch;
+  VoxelWindows windows;
   std::vector<Vec3> normals;
   SeedScratch seeding;
   Seeds seeds;
@@ -172,8 +175,8 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   if (absl::Status status = check_shape(cloud); !status.ok()) return status;
   const Options options = resolved(requested);
   const SupervoxelOptions settings = supervoxel_options(options);
-  auto& [scratch, grid, adjacency, normals_scratch, normals, seeding, seeds, growth, supervoxels, graph_scratch, graph,
-         borders, border_merging, paper_merging, labels] = *workspace_;
+  auto& [scratch, grid, adjacency, normals_scratch, windows, normals, seeding, seeds, growth, supervoxels,
+         graph_scratch, graph, borders, border_merging, paper_merging, labels] = *workspace_;
   Segmentation result;
   StageTimings& timings = result.timings;
   Stopwatch total, watch;
@@ -198,10 +201,10 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
     if (!status.ok()) return status;
   }
   status = options.method == Method::kBorder
-               ? border_normals(grid, cloud.view, settings, options.threads, stop, normals_scratch, adjacency, normals)
+               ? border_normals(grid, cloud.view, settings, options.threads, stop, windows, adjacency, normals)
                : compute_normals(grid, adjacency, cloud.view, options.threads, stop, normals_scratch, normals);
   if (!status.ok()) return status;
-  make_room(grid, normals_scratch);
+  make_room(grid, normals_scratch, windows);
   timings.normals = watch.lap();
 
   // Over-segmentation: the supervoxels R^m (VCCS).

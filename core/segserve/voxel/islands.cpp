@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,11 +24,22 @@ class Components {
   }
   double area(std::uint32_t component) const { return area_[component]; }
 
-  void unite(std::uint32_t u, std::uint32_t v) {
+  /// Returns the component of both.
+  std::uint32_t unite(std::uint32_t u, std::uint32_t v) {
     const auto [a, b] = std::minmax({of(u), of(v)});
-    if (a == b) return;
+    if (a == b) return a;
     parent_[b] = a;
     area_[a] += area_[b];
+    return a;
+  }
+
+  /// Unites v with its neighbours before it. Most of those hang on its component's name already.
+  void unite(std::uint32_t v, std::span<const std::uint32_t> neighbors) {
+    std::uint32_t component = v;
+    for (const std::uint32_t u : neighbors) {
+      if (u > v) break;
+      if (parent_[u] != component) component = unite(u, component);
+    }
   }
 
  private:
@@ -45,10 +57,7 @@ Components components_of(const VoxelGrid& grid, const View& view, double voxel_r
   Components components(std::move(area));
   check.for_each(0, grid.size(), [&](std::size_t i) {
     const auto v = static_cast<std::uint32_t>(i);
-    for (const std::uint32_t u : adjacency.of(v)) {
-      if (u > v) break;
-      components.unite(u, v);
-    }
+    components.unite(v, adjacency.of(v));
     return 1 + adjacency.of(v).size();
   });
   return components;

@@ -8,16 +8,14 @@
 #include "segserve/pipeline/stop_token.hpp"
 #include "segserve/voxel/adjacency.hpp"
 #include "segserve/voxel/kernels/kernels.hpp"
-#include "segserve/voxel/refit_scratch.hpp"
 #include "segserve/voxel/voxel_grid.hpp"
 
 namespace segserve {
 
-/// Buffers of `compute_normals` and `refine_normals` that are worth keeping between calls.
+/// Buffers of `compute_normals` that are worth keeping between calls.
 struct NormalsScratch {
   std::vector<Quad> centroid;      ///< V
   std::vector<RingMoments> rings;  ///< V
-  RefitScratch refit;
 };
 
 /// Turns a normal at `position` towards the sensor of `view`, which must have one (CAMERA, or WORLD

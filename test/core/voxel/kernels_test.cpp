@@ -28,13 +28,17 @@ std::vector<std::uint64_t> bits_of(const Cloud& cloud, double resolution, Cpu cp
   find_adjacency(grid, adjacency);
   EXPECT_TRUE(bridge_islands(grid, cloud.view, resolution, {}, StopToken(), adjacency).ok());
   EXPECT_TRUE(compute_normals(grid, adjacency, cloud.view, 1, StopToken(), normals).ok());
+  const std::vector<Vec3> by_rings = normals;
+  VoxelWindows windows;
+  EXPECT_TRUE(find_windows(grid, cloud.view, resolution, 1, StopToken(), windows).ok());
+  EXPECT_TRUE(window_normals(grid, adjacency, cloud.view, StopToken(), windows, normals).ok());
   const std::vector<Vec3> first = normals;
-  EXPECT_TRUE(refine_normals(grid, cloud.view, resolution, {}, 1, StopToken(), normals).ok());
+  EXPECT_TRUE(refine_normals({}, StopToken(), windows, normals).ok());
   use_cpu(best_cpu());
   std::vector<std::uint64_t> bits(grid.key.begin(), grid.key.end());
   bits.insert(bits.end(), grid.slot_of_point.begin(), grid.slot_of_point.end());
   bits.insert(bits.end(), grid.points.begin(), grid.points.end());
-  for (const auto& values : {grid.centroid, grid.color_sum, first, normals}) {
+  for (const auto& values : {grid.centroid, grid.color_sum, by_rings, first, normals}) {
     for (const Vec3& v : values) {
       for (const double number : {v.x, v.y, v.z}) bits.push_back(std::bit_cast<std::uint64_t>(number));
     }

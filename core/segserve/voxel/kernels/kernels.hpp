@@ -27,30 +27,49 @@ struct NeighborRows {
   const std::uint32_t* neighbor;
 };
 
-/// What `refit` needs to know of all voxels, and of the options. Arrays have kRefitPadding more entries, of any finite
-/// value.
-struct RefitInput {
-  const double *x, *y, *z;     ///< centroids
-  const float *nx, *ny, *nz;   ///< the first normals
-  const std::int32_t* cell_x;  ///< x of the voxels' cells
-  float angle_scale;           ///< of 1 - cosine in the exponent
-  float support;               ///< sum of weights up to which the first normal stays
+/// Voxels by columns (VoxelWindows). Arrays have kWindowPadding more entries, of any finite value.
+struct WindowColumns {
+  const double *x, *y, *z;           ///< centroids
+  const float *nx, *ny, *nz;         ///< normals, if they are known
+  const float* inverse_square_edge;  ///< of the voxels
+  const std::int32_t* cell_x;        ///< x of the voxels' cells
 };
-inline constexpr std::size_t kRefitPadding = 8;
+inline constexpr std::size_t kWindowPadding = 8;
 
-/// Consecutive voxels of one row of cells; at most 8.
+/// Consecutive voxels of one row of cells; at most kWindowPadding.
 struct RowSpan {
   std::uint32_t first, count;
 };
 inline constexpr std::size_t kMostRowSpans = 25;
 
-/// Voxels to refit together, and all voxels at most two cells away from any of them, row by row.
-struct RefitGroup {
+struct SpanCount {
+  std::uint32_t spans, voxels;
+};
+
+/// The voxels of a row of cells that are not yet done with.
+struct CellRow {
+  std::uint32_t next, end;
+};
+
+/// Voxels side by side, and all voxels at most two cells away from any of them, row by row.
+struct WindowGroup {
   static constexpr std::size_t kMost = 4;
-  RowSpan voxels;             ///< of one row, in 4 neighbouring cells of it
-  float offset_scale[kMost];  ///< of the squared offset in the exponent
-  const RowSpan* spans;       ///< up to kMostRowSpans
-  std::size_t span_count;
+  RowSpan voxels;  ///< of one row, in 4 neighbouring cells of it
+  std::uint32_t first_span, span_count;
+  std::uint32_t candidates;  ///< voxels of the spans
+};
+
+/// Groups from `begin` to `end`, with their spans.
+struct WindowGroups {
+  const WindowGroup *begin, *end;
+  const RowSpan* spans;
+};
+
+/// How refit_windows weighs a neighbour (EdgeAwareOptions).
+struct RefitScales {
+  float angle;    ///< of 1 - cosine in the exponent
+  float offset;   ///< of the squared offset, in voxels, in the exponent
+  float support;  ///< sum of weights up to which the first normal stays
 };
 
 /// Limits of a Selection; all of them are closed.
@@ -107,8 +126,15 @@ struct VoxelKernels {
   /// Normals, of either sign, of the planes through both rings of the voxels [begin, end).
   void (*fit_planes)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
                      const RingMoments* rings, Vec3* normals);
-  /// Gives the voxels of the groups their new normals (refine_normals); `normals` holds the first ones.
-  void (*refit)(const RefitInput& input, const RefitGroup* groups, std::size_t count, Vec3* normals);
+  /// Which voxels of `count` rows are in the cells with x from left to right, at most kWindowPadding. Room for
+  /// kMostRowSpans. To be called with ascending limits: `next` moves with them.
+  SpanCount (*find_spans)(const std::int32_t* cell_x, std::int32_t left, std::int32_t right, CellRow* rows,
+                          std::size_t count, RowSpan* spans);
+  /// Normals of either sign of the planes through the windows of the groups' voxels (window_normals).
+  void (*fit_windows)(const WindowColumns& columns, const WindowGroups& groups, Vec3* normals);
+  /// Gives the groups' voxels their new normals (refine_normals); columns and `normals` hold the first ones.
+  void (*refit_windows)(const WindowColumns& columns, const RefitScales& scales, const WindowGroups& groups,
+                        Vec3* normals);
 };
 
 /// Those for `cpu_in_use`.
