@@ -22,7 +22,8 @@ absl::Status for_groups(const VoxelWindows& windows, const StopToken& stop, Work
       const WindowGroup* const begin = groups.data() + first;
       const WindowGroup* const end = groups.data() + std::min(first + kMost, groups.size());
       std::uint64_t looked_at = 0;
-      for (const WindowGroup* group = begin; group < end; ++group) looked_at += group->voxels.count * group->candidates;
+      for (const WindowGroup* group = begin; group < end; ++group)
+        looked_at += std::uint64_t{group->voxels.count} * group->candidates;
       if (check.after(looked_at)) return;
       work(WindowGroups{begin, end, spans.data()});
     }

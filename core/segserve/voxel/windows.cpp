@@ -9,7 +9,7 @@ namespace segserve {
 namespace {
 
 constexpr std::int64_t kReach = kWindowReach;
-static_assert(WindowGroup::kMost + 2 * kWindowReach <= kWindowPadding, "a span is one load");
+static_assert(WindowGroup::kMost + std::size_t{2} * kWindowReach <= kWindowPadding, "a span is one load");
 constexpr std::int64_t kLayer = std::int64_t{1} << kCellBits;  // between rows, from one z to the next
 constexpr VoxelKey kCellMask = kLayer - 1;
 
