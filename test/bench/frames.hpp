@@ -12,8 +12,9 @@ struct Frame {
   Cloud cloud;
 };
 
-/// The frames that are timed: a few OSD scenes if they are at hand (SEGSERVE_DATA_DIR/osd/learn), a synthetic
-/// tabletop as a Kinect sees it, and a synthetic frame of 307,200 finite points.
+/// The frames that are timed: a few OSD scenes if they are at hand (SEGSERVE_DATA_DIR/osd/learn), one of them also
+/// with its holes filled, 307,200 finite points; a synthetic tabletop as a Kinect sees it, and one of 307,200 finite
+/// points, whose depths and colours have more noise.
 const std::vector<Frame>& frames();
 
 }  // namespace segserve::bench

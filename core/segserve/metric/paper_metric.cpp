@@ -100,7 +100,7 @@ void PaperMetric::find_surface(std::size_t r) {
   Vec3 normal = smallest_eigenvector(region.scatter);
   if (normal == Vec3{}) normal = unit(region.normal_sum);  // too few voxels for a plane of its own
   if (view_.has_sensor()) {
-    normal = turn_to_sensor(normal, region.centroid, view_);
+    normal = turn_to_sensor(normal, region.centroid, sensor_of(view_));
   } else if (dot(normal, region.normal_sum) < 0) {
     normal = -normal;
   }

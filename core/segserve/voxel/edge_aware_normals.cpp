@@ -37,13 +37,14 @@ absl::Status window_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacen
                             const StopToken& stop, const VoxelWindows& windows, std::vector<Vec3>& normals) {
   const VoxelKernels& kernels = voxel_kernels();
   const WindowColumns columns = windows.columns();
+  const Vec3 sensor = sensor_of(view);
   normals.resize(grid.size());
   const absl::Status status = for_groups(windows, stop, [&](const WindowGroups& groups) {
     kernels.fit_windows(columns, groups, normals.data());
     if (!view.has_sensor()) return;
     const std::uint32_t last = groups.end[-1].voxels.first + groups.end[-1].voxels.count;
     for (std::uint32_t v = groups.begin->voxels.first; v < last; ++v) {
-      normals[v] = turn_to_sensor(normals[v], grid.centroid[v], view);
+      normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
     }
   });
   return status.ok() && !view.has_sensor() ? orient_consistently(adjacency, stop, normals) : status;

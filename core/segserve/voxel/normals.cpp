@@ -5,10 +5,8 @@
 
 namespace segserve {
 
-Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view) {
-  Vec3 sensor;
-  if (view.sensor) sensor = {(*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]};
-  return dot(normal, sensor - position) < 0 ? -normal : normal;
+Vec3 sensor_of(const View& view) {
+  return view.sensor ? Vec3{(*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]} : Vec3{};
 }
 
 // With the adjacency A that includes the voxel itself, and M the moments of single centroids, the two rings have the
@@ -28,10 +26,11 @@ absl::Status compute_normals(const VoxelGrid& grid, const VoxelAdjacency& adjace
     kernels.ring_moments(first, last, rows, scratch.centroid.data(), scratch.rings.data());
   });
   if (absl::Status status = stop.check(); !status.ok()) return status;
+  const Vec3 sensor = sensor_of(view);
   for_voxel_blocks(adjacency, threads, stop, [&](std::size_t first, std::size_t last) {
     kernels.fit_planes(first, last, rows, scratch.centroid.data(), scratch.rings.data(), normals.data());
     if (!view.has_sensor()) return;
-    for (std::size_t v = first; v < last; ++v) normals[v] = turn_to_sensor(normals[v], grid.centroid[v], view);
+    for (std::size_t v = first; v < last; ++v) normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
   });
   if (absl::Status status = stop.check(); !status.ok()) return status;
   return view.has_sensor() ? absl::OkStatus() : orient_consistently(adjacency, stop, normals);

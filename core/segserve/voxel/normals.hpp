@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -18,9 +19,15 @@ struct NormalsScratch {
   std::vector<RingMoments> rings;  ///< V
 };
 
-/// Turns a normal at `position` towards the sensor of `view`, which must have one (CAMERA, or WORLD
-/// with a position).
-Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const View& view);
+/// Where the sensor of `view` is, which must have one (CAMERA, or WORLD with a position).
+Vec3 sensor_of(const View& view);
+
+/// Turns a normal at `position` towards the sensor. Without a branch, which half of the voxels would mispredict: 0.2 ms
+/// of 12 a full frame.
+inline Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const Vec3& sensor) {
+  const double side = dot(normal, sensor - position);
+  return std::copysign(1.0, side + 0.0) * normal;  // -0.0 + 0.0 is 0.0
+}
 
 /// Unit normals of the voxels (V): the plane that fits the centroids of the voxel, its neighbours and
 /// their neighbours, each as often as a path leads to it (as PCL's SupervoxelClustering does). The
