@@ -1,7 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <concepts>
 #include <cstdint>
 #include <span>
@@ -9,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/graph/region_graph.hpp"
+#include "segserve/merge/candidate.hpp"
 #include "segserve/merge/threshold.hpp"
 #include "segserve/merge/tournament.hpp"
 #include "segserve/merge/tree_builder.hpp"
@@ -95,8 +95,8 @@ class Merger {
   }
 
  private:
-  /// Below the threshold; then too small; then the rest.
-  enum class Turn : std::uint8_t { kFirst, kTooSmall, kLast, kNever };
+  using Turn = MergeTurn;
+  using Edge = MergeCandidate;
 
   static constexpr std::size_t kSpareLinks = 4;
 
@@ -107,38 +107,6 @@ class Merger {
     [[no_unique_address]] Evidence evidence;
 
     Link back_to(std::uint32_t r) const { return {r, below, dissimilarity, evidence}; }
-  };
-
-  /// Equal dissimilarities: the smaller ids first. All in one number, whose comparison takes no branch: a tournament's
-  /// would be mispredicted.
-  class Edge {
-   public:
-    Edge() : Edge(Turn::kNever, 0, 0, 0) {}
-    Edge(Turn turn, double dissimilarity, std::uint32_t a, std::uint32_t b)
-        : key_(Key{static_cast<std::uint8_t>(turn)} << (64 + 2 * kIdBits) |
-               Key{ascending(dissimilarity)} << (2 * kIdBits) | Key{a} << kIdBits | b) {}
-
-    Turn turn() const { return static_cast<Turn>(key_ >> (64 + 2 * kIdBits)); }
-    double dissimilarity() const { return of_ascending(static_cast<std::uint64_t>(key_ >> (2 * kIdBits))); }
-    std::uint32_t a() const { return static_cast<std::uint32_t>(key_ >> kIdBits) & kIdMask; }
-    std::uint32_t b() const { return static_cast<std::uint32_t>(key_) & kIdMask; }
-    bool operator==(const Edge& o) const { return key_ == o.key_; }
-    bool operator<(const Edge& o) const { return key_ < o.key_; }
-
-   private:
-    __extension__ using Key = unsigned __int128;
-    static constexpr int kIdBits = 31;
-    static constexpr std::uint32_t kIdMask = (std::uint32_t{1} << kIdBits) - 1;
-    static constexpr std::uint64_t kSign = std::uint64_t{1} << 63;
-
-    /// Integers in the order of the doubles, of which none is NaN, and back; -0 counts as 0.
-    static std::uint64_t ascending(double d) {
-      const auto bits = std::bit_cast<std::uint64_t>(d + 0.0);
-      return (bits & kSign) != 0 ? ~bits : bits | kSign;
-    }
-    static double of_ascending(std::uint64_t n) { return std::bit_cast<double>((n & kSign) != 0 ? n ^ kSign : ~n); }
-
-    Key key_;
   };
 
   Link link(std::uint32_t to, double dissimilarity, const Evidence& evidence) const {

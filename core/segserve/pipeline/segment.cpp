@@ -100,6 +100,7 @@ absl::Status remove_support_plane(double distance, const View& view, unsigned th
   find_adjacency(grid, adjacency, stop);
   return stop.check();
 }
+
 /// A stage's buffers are kept for the next cloud, which saves page faults; but of a cloud with this many voxels, where
 /// all stages' together take 500 bytes a voxel, they make room for the next stage's. Not those of the first, whose
 /// table would have to grow again: a tenth of the time.
@@ -186,7 +187,7 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   status =
       voxelize(cloud, settings.voxel_resolution, options.threads, stop, scratch, grid, Selection(options, cloud.view));
   if (!status.ok()) return status;
-  if (grid.size() >= kManyVoxels) {
+  if (grid.size() >= kManyVoxels) {  // of scattered points, its table is most of the memory of all stages
     for (VoxelPart& part : scratch.parts) part.table.free_if_scattered();
   }
   timings.voxels = watch.lap();
