@@ -1,23 +1,20 @@
 # What `cmake --install` puts where, so that find_package(segserve) works: one export set per component of the package.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/segserve)
 
-install(TARGETS segserve_core segserve_codec segserve_picture segserve_synth segserve_eval EXPORT segserveCoreTargets)
-install(DIRECTORY core/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.hpp" PATTERN pcl_adapter EXCLUDE)
+install(TARGETS segserve_core segserve_codec EXPORT segserveCoreTargets)
+install(DIRECTORY core/include/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
 install(EXPORT segserveCoreTargets NAMESPACE segserve:: DESTINATION ${package_dir})
 
 if(SEGSERVE_BUILD_PCL)
   install(TARGETS segserve_pcl EXPORT segservePclTargets)
-  install(DIRECTORY core/segserve/pcl_adapter DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segserve
-          FILES_MATCHING PATTERN "*.hpp")
+  install(DIRECTORY core/pcl_adapter/include/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
   install(EXPORT segservePclTargets NAMESPACE segserve:: DESTINATION ${package_dir})
 endif()
 
 if(SEGSERVE_BUILD_SERVICE)
   install(TARGETS segserve segctl)
   install(TARGETS segserve_proto segserve_wire segserve_health segserve_client EXPORT segserveClientTargets)
-  install(DIRECTORY client/segserve/client proto/segserve/wire DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/segserve
-          FILES_MATCHING PATTERN "*.hpp")
+  install(DIRECTORY client/include/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
   install(DIRECTORY ${PROJECT_BINARY_DIR}/proto/generated/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
           FILES_MATCHING PATTERN "*.pb.h")
   install(DIRECTORY proto/segserve proto/google DESTINATION ${CMAKE_INSTALL_DATADIR}/segserve/proto

@@ -11,11 +11,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/lab/synth/scene.hpp"
 #include "fmt/format.h"
+#include "proto/wire/cloud_message.hpp"
+#include "proto/wire/codec_message.hpp"
 #include "segserve/codec/cloud_file.hpp"
-#include "segserve/synth/scene.hpp"
-#include "segserve/wire/cloud.hpp"
-#include "segserve/wire/codec.hpp"
 
 namespace segserve::bench {
 namespace {

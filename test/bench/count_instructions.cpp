@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
-#include "segserve/pipeline/segment.hpp"
-#include "segserve/synth/scene.hpp"
+#include "core/lab/synth/scene.hpp"
+#include "segserve/segment.hpp"
 
 int main(int argc, char** argv) {
   const auto method = segserve::method_from_name(argc == 2 ? argv[1] : "");

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "core/lab/synth/scene.hpp"
 #include "segserve/codec/cloud_file.hpp"
-#include "segserve/synth/scene.hpp"
 
 namespace segserve::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "segserve/cloud/cloud.hpp"
+#include "segserve/cloud.hpp"
 
 namespace segserve::bench {
 

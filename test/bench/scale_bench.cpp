@@ -23,9 +23,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/lab/synth/scene.hpp"
 #include "fmt/format.h"
-#include "segserve/pipeline/segment.hpp"
-#include "segserve/synth/scene.hpp"
+#include "segserve/segment.hpp"
 
 namespace {
 

@@ -9,7 +9,7 @@
 
 #include <string>
 
-#include "segserve/pipeline/segment.hpp"
+#include "segserve/segment.hpp"
 #include "test/bench/frames.hpp"
 #include "test/pcl/pcl_peer.hpp"
 

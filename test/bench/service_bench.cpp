@@ -14,9 +14,9 @@
 
 #include "fmt/format.h"
 #include "segserve/client/client.hpp"
-#include "segserve/server/segmenter_interface.hpp"
-#include "segserve/server/server.hpp"
-#include "segserve/server/worker_pool.hpp"
+#include "server/segmenter_interface.hpp"
+#include "server/server.hpp"
+#include "server/worker_pool.hpp"
 #include "test/bench/frames.hpp"
 
 namespace segserve::bench {

@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
+#include "client/calls/local.hpp"
 #include "fmt/format.h"
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
 #include "grpcpp/server_builder.h"
-#include "segserve/client/local.hpp"
+#include "proto/wire/byte_run.hpp"
+#include "proto/wire/options_message.hpp"
+#include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/result_blocks.hpp"
+#include "proto/wire/status_message.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
-#include "segserve/wire/byte_run.hpp"
-#include "segserve/wire/options.hpp"
-#include "segserve/wire/payload_blocks.hpp"
-#include "segserve/wire/result_blocks.hpp"
-#include "segserve/wire/status.hpp"
 
 namespace segserve::client {
 

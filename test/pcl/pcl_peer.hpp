@@ -5,13 +5,13 @@
 #include <memory>
 #include <vector>
 
-#include "segserve/cloud/cloud.hpp"
-#include "segserve/options/options.hpp"
+#include "segserve/cloud.hpp"
+#include "segserve/options.hpp"
 
 // PCL's VCCS and LCCP as a peer, in tests and benchmarks. PCL's headers stay in the source: they take ten seconds.
 namespace segserve::pcl_peer {
 
-/// Of pcl::SupervoxelClustering. The defaults are those that suit LCCP on OSD best (core/segserve/eval/README.md).
+/// Of pcl::SupervoxelClustering. The defaults are those that suit LCCP on OSD best (core/lab/eval/README.md).
 struct VccsSettings {
   float voxel_resolution = 0.0075F, seed_resolution = 0.03F;  ///< metres
   float color = 0, spatial = 1, normal = 4;                   ///< weights

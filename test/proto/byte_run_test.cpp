@@ -1,4 +1,4 @@
-#include "segserve/wire/byte_run.hpp"
+#include "proto/wire/byte_run.hpp"
 
 #include <array>
 #include <random>

@@ -1,12 +1,12 @@
-#include "segserve/wire/payload_blocks.hpp"
+#include "proto/wire/payload_blocks.hpp"
 
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "gmock/gmock.h"
-#include "segserve/wire/cloud.hpp"
-#include "test/proto/examples.hpp"
+#include "proto/wire/cloud_message.hpp"
+#include "test/proto/example_messages.hpp"
 
 namespace segserve::wire {
 namespace {

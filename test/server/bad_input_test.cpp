@@ -6,11 +6,11 @@
 
 #include "gmock/gmock.h"
 #include "grpcpp/generic/generic_stub.h"
+#include "proto/wire/result_message.hpp"
 #include "segserve/codec/pcd.hpp"
-#include "segserve/wire/result.hpp"
 #include "test/server/fake_segmenter.hpp"
 #include "test/server/running_server.hpp"
-#include "test/server/scenes.hpp"
+#include "test/server/server_scenes.hpp"
 
 namespace segserve::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "segserve/server/call_gate.hpp"
+#include "server/call_gate.hpp"
 
 #include <future>
 

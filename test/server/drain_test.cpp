@@ -3,7 +3,7 @@
 #include "gmock/gmock.h"
 #include "test/server/fake_segmenter.hpp"
 #include "test/server/running_server.hpp"
-#include "test/server/scenes.hpp"
+#include "test/server/server_scenes.hpp"
 
 namespace segserve::server {
 namespace {

@@ -1,4 +1,4 @@
-#include "segserve/server/fair_queue.hpp"
+#include "server/fair_queue.hpp"
 
 #include <map>
 #include <memory>

@@ -7,7 +7,7 @@
 #include <thread>
 #include <utility>
 
-#include "segserve/server/segmenter_interface.hpp"
+#include "server/segmenter_interface.hpp"
 
 namespace segserve::server {
 

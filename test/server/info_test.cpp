@@ -3,8 +3,8 @@
 
 #include "gmock/gmock.h"
 #include "grpcpp/generic/generic_stub.h"
-#include "segserve/options/options.hpp"
-#include "segserve/wire/options.hpp"
+#include "proto/wire/options_message.hpp"
+#include "segserve/options.hpp"
 #include "test/server/running_server.hpp"
 
 namespace segserve::server {

@@ -1,4 +1,4 @@
-#include "segserve/server/listen_address.hpp"
+#include "server/listen_address.hpp"
 
 #include "gtest/gtest.h"
 

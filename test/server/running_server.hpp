@@ -8,10 +8,10 @@
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "grpcpp/grpcpp.h"
 #include "gtest/gtest.h"
-#include "segserve/server/server.hpp"
+#include "proto/wire/status_message.hpp"
+#include "proto/wire/transport_limits.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
-#include "segserve/wire/limits.hpp"
-#include "segserve/wire/status.hpp"
+#include "server/server.hpp"
 
 namespace segserve::server {
 

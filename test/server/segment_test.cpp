@@ -1,13 +1,13 @@
 #include <string>
 
 #include "gmock/gmock.h"
+#include "proto/wire/codec_message.hpp"
+#include "proto/wire/options_message.hpp"
+#include "proto/wire/result_message.hpp"
 #include "segserve/codec/draco.hpp"
 #include "segserve/codec/pcd.hpp"
-#include "segserve/wire/codec.hpp"
-#include "segserve/wire/options.hpp"
-#include "segserve/wire/result.hpp"
 #include "test/server/running_server.hpp"
-#include "test/server/scenes.hpp"
+#include "test/server/server_scenes.hpp"
 
 namespace segserve::server {
 namespace {

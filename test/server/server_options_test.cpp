@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "gmock/gmock.h"
-#include "segserve/server/server.hpp"
+#include "server/server.hpp"
 
 namespace segserve::server {
 namespace {

@@ -1,7 +1,7 @@
 #include "gmock/gmock.h"
 #include "test/server/fake_segmenter.hpp"
 #include "test/server/running_server.hpp"
-#include "test/server/scenes.hpp"
+#include "test/server/server_scenes.hpp"
 
 // Whoever gives up stops the computation, and frees the worker for others.
 namespace segserve::server {

@@ -1,4 +1,4 @@
-#include "segserve/server/worker_pool.hpp"
+#include "server/worker_pool.hpp"
 
 #include <atomic>
 #include <future>

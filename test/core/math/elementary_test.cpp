@@ -1,4 +1,4 @@
-#include "segserve/math/elementary.hpp"
+#include "core/math/elementary.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "segserve/options/options.hpp"
+#include "segserve/options.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

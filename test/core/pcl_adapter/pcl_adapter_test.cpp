@@ -1,11 +1,11 @@
-#include "segserve/pcl_adapter/pcl_adapter.hpp"
+#include "segserve/pcl_adapter.hpp"
 
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
 
-#include "segserve/synth/scene.hpp"
+#include "core/lab/synth/scene.hpp"
 
 namespace segserve::pcl_adapter {
 namespace {

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <random>
 
-#include "segserve/pipeline/segment.hpp"
-#include "segserve/synth/scene.hpp"
+#include "core/lab/synth/scene.hpp"
+#include "segserve/segment.hpp"
 #include "test/core/support/clouds.hpp"
 
 namespace segserve {

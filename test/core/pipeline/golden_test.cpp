@@ -4,8 +4,8 @@
 
 #include <bit>
 
-#include "segserve/pipeline/segment.hpp"
-#include "segserve/synth/scene.hpp"
+#include "core/lab/synth/scene.hpp"
+#include "segserve/segment.hpp"
 
 namespace segserve {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <set>
 
-#include "segserve/pipeline/segment.hpp"
+#include "segserve/segment.hpp"
 #include "test/core/support/clouds.hpp"
 
 namespace segserve {

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/lab/synth/scene.hpp"
 #include "segserve/codec/cloud_file.hpp"
-#include "segserve/pipeline/segment.hpp"
-#include "segserve/synth/scene.hpp"
+#include "segserve/segment.hpp"
 
 namespace segserve {
 namespace {

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "gmock/gmock.h"
-#include "segserve/options/options.hpp"
-#include "segserve/pipeline/segment.hpp"
+#include "segserve/options.hpp"
+#include "segserve/segment.hpp"
 #include "test/core/support/clouds.hpp"
 
 namespace segserve {

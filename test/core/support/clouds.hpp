@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "segserve/cloud/cloud.hpp"
+#include "segserve/cloud.hpp"
 
 namespace segserve::test {
 

@@ -1,10 +1,10 @@
 // Makes a scene, segments it, saves picture and labels in memory: the libraries of `core` together.
 #include <cstdio>
 
+#include "core/lab/picture/picture.hpp"
+#include "core/lab/synth/scene.hpp"
 #include "segserve/codec/pcd.hpp"
-#include "segserve/picture/picture.hpp"
-#include "segserve/pipeline/segment.hpp"
-#include "segserve/synth/scene.hpp"
+#include "segserve/segment.hpp"
 
 int main() {
   const auto scene = segserve::synth::make_tabletop({.width = 160, .height = 120});

@@ -1,7 +1,7 @@
 // Segments a cloud that PCL holds.
 #include <cstdio>
 
-#include "segserve/pcl_adapter/pcl_adapter.hpp"
+#include "segserve/pcl_adapter.hpp"
 
 int main() {
   constexpr int kSide = 100;

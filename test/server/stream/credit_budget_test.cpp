@@ -1,4 +1,4 @@
-#include "segserve/server/stream/credit_budget.hpp"
+#include "server/stream/credit_budget.hpp"
 
 #include <utility>
 

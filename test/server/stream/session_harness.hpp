@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "gtest/gtest.h"
-#include "segserve/server/stream/stream_session.hpp"
-#include "segserve/wire/byte_run.hpp"
-#include "segserve/wire/payload_blocks.hpp"
-#include "segserve/wire/result_blocks.hpp"
-#include "segserve/wire/status.hpp"
+#include "proto/wire/byte_run.hpp"
+#include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/result_blocks.hpp"
+#include "proto/wire/status_message.hpp"
+#include "server/stream/stream_session.hpp"
 #include "test/server/fake_segmenter.hpp"
-#include "test/server/scenes.hpp"
+#include "test/server/server_scenes.hpp"
 
 namespace segserve::server {
 

@@ -3,8 +3,8 @@
 #include <thread>
 
 #include "gmock/gmock.h"
-#include "segserve/wire/result.hpp"
-#include "test/proto/examples.hpp"
+#include "proto/wire/result_message.hpp"
+#include "test/proto/example_messages.hpp"
 #include "test/server/running_server.hpp"
 #include "test/server/stream/session_harness.hpp"
 

@@ -1,0 +1,51 @@
+#include "client/calls/channels.hpp"
+
+#include <utility>
+
+#include "grpcpp/create_channel.h"
+#include "grpcpp/security/credentials.h"
+#include "grpcpp/support/channel_arguments.h"
+#include "proto/wire/transport_limits.hpp"
+
+namespace segserve::client {
+namespace {
+
+std::shared_ptr<grpc::Channel> make_channel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(wire::kClientReceiveBytes);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, wire::kFlowControlBytes);
+  // The repetitions are ours: gRPC must not wait for minutes behind our back.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  arguments.SetServiceConfigJSON(R"({"loadBalancingConfig": [{"round_robin": {}}]})");
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+}  // namespace
+
+Channels::Channels(std::vector<std::string> addresses)
+    : addresses_(std::move(addresses)), own_(true), channels_(addresses_.size()) {}
+
+Channels::Channels(std::string address, std::shared_ptr<grpc::Channel> channel)
+    : addresses_{std::move(address)}, own_(false), channels_{std::move(channel)} {}
+
+std::shared_ptr<grpc::Channel> Channels::get(std::size_t address) {
+  const std::lock_guard lock(mutex_);
+  if (!channels_[address]) channels_[address] = make_channel(addresses_[address]);
+  return channels_[address];
+}
+
+void Channels::renew(std::size_t address, const std::shared_ptr<grpc::Channel>& cut) {
+  const std::lock_guard lock(mutex_);
+  if (own_ && channels_[address] == cut) channels_[address] = nullptr;
+}
+
+std::size_t Channels::next_start() {
+  const std::lock_guard lock(mutex_);
+  return starts_++;
+}
+
+}  // namespace segserve::client

@@ -1,0 +1,130 @@
+#include "segserve/client/result_file.hpp"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <limits>
+#include <optional>
+
+#include "fmt/format.h"
+#include "segserve/codec/decode_limits.hpp"
+
+namespace segserve::client {
+namespace {
+
+constexpr std::string_view kMagic = "segserve-result ";
+constexpr std::string_view kVersion = "2";
+constexpr std::size_t kMaxHeader = 64;
+/// protobuf reads no larger message.
+constexpr std::size_t kMaxPayload = std::numeric_limits<std::int32_t>::max();
+
+std::uint32_t crc32_of(std::string_view bytes) {
+  return static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+struct Header {
+  std::uint64_t payload_bytes = 0;
+  std::uint32_t crc = 0;
+};
+
+/// Cuts the first word off a line.
+std::string_view take_word(std::string_view& line) {
+  const std::size_t end = std::min(line.find(' '), line.size());
+  const std::string_view word = line.substr(0, end);
+  line.remove_prefix(std::min(end + 1, line.size()));
+  return word;
+}
+
+template <typename Number>
+std::optional<Number> parse(std::string_view text, int base) {
+  Number number{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  return whole ? std::optional(number) : std::nullopt;
+}
+
+absl::StatusOr<Header> parse_header(std::string_view line) {
+  if (!line.starts_with(kMagic)) return absl::InvalidArgumentError("this is not a result that segctl saved");
+  line.remove_prefix(kMagic.size());
+  const std::string_view version = take_word(line);
+  if (version != kVersion) {
+    return absl::InvalidArgumentError(
+        fmt::format("the saved result has version '{}', this program reads version {}", version, kVersion));
+  }
+  const auto payload_bytes = parse<std::uint64_t>(take_word(line), 10);
+  const auto crc = parse<std::uint32_t>(take_word(line), 16);
+  if (!payload_bytes || !crc || !line.empty()) {
+    return absl::InvalidArgumentError("the saved result's first line is damaged");
+  }
+  return Header{*payload_bytes, *crc};
+}
+
+absl::Status check_payload(std::string_view payload, const Header& header) {
+  if (payload.size() != header.payload_bytes) {
+    return absl::InvalidArgumentError(fmt::format(
+        "the saved result is {}: it has {} bytes after its first line, not {}",
+        payload.size() < header.payload_bytes ? "truncated" : "too long", payload.size(), header.payload_bytes));
+  }
+  if (payload.size() > kMaxPayload) {
+    return absl::InvalidArgumentError(
+        fmt::format("the saved result has {} bytes, more than the {} that can be read", payload.size(), kMaxPayload));
+  }
+  if (crc32_of(payload) != header.crc) {
+    return absl::InvalidArgumentError("the saved result is damaged: its checksum differs");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> encode_result_file(const Result& result) {
+  const wire::Outputs outputs{.labels = true,
+                              .supervoxels = true,
+                              .tree = true,
+                              .segments = !result.segmentation.statistics.empty(),
+                              .compression = v1::COMPRESSION_ZSTD};
+  auto message = wire::to_message(result, outputs);
+  if (!message.ok()) return message.status();
+  v1::SegmentResponse response;
+  *response.mutable_result() = *std::move(message);
+  if (response.ByteSizeLong() > kMaxPayload) {
+    return absl::InvalidArgumentError(fmt::format(
+        "the result is too large for a file: {} bytes, at most {} are allowed", response.ByteSizeLong(), kMaxPayload));
+  }
+  const std::string payload = response.SerializeAsString();
+  return fmt::format("{}{} {} {:08x}\n", kMagic, kVersion, payload.size(), crc32_of(payload)) + payload;
+}
+
+absl::StatusOr<Result> decode_result_file(std::string_view bytes) {
+  const std::size_t end_of_line = bytes.substr(0, kMaxHeader).find('\n');
+  const bool has_line = end_of_line != std::string_view::npos;
+  const auto header = parse_header(bytes.substr(0, has_line ? end_of_line : kMaxHeader));
+  if (!header.ok()) return header.status();
+  if (!has_line) return absl::InvalidArgumentError("the saved result is truncated in its first line");
+  const std::string_view payload = bytes.substr(end_of_line + 1);
+  if (absl::Status status = check_payload(payload, *header); !status.ok()) return status;
+
+  v1::SegmentResponse response;
+  if (!response.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
+    return absl::InvalidArgumentError("the saved result is damaged: it is no SegmentResponse");
+  }
+  const std::uint64_t points = response.result().summary().points();
+  if (const std::uint64_t allowed = codec::DecodeLimits{}.max_points; points > allowed) {
+    return absl::InvalidArgumentError(
+        fmt::format("the saved result claims {} points, more than the {} that are allowed", points, allowed));
+  }
+  auto result = wire::from_message(response.result(), points);
+  if (!result.ok()) {
+    return absl::InvalidArgumentError(
+        fmt::format("the saved result is damaged: {}", std::string(result.status().message())));
+  }
+  if (result->segmentation.supervoxels.size() != points ||
+      result->segmentation.tree.leaf_count() != result->supervoxels) {
+    return absl::InvalidArgumentError("the saved result is damaged: it lacks supervoxels or the tree");
+  }
+  return result;
+}
+
+}  // namespace segserve::client

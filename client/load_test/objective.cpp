@@ -1,0 +1,102 @@
+#include "client/load_test/objective.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <utility>
+
+#include "client/load_test/load_report.hpp"
+#include "fmt/format.h"
+
+namespace segserve::bench {
+namespace {
+
+enum class Kind { kLatency, kRate, kShare };
+
+struct Metric {
+  std::string_view name;
+  Kind kind;
+  double (*value)(const Report&);
+};
+
+const std::vector<Metric>& metrics() {
+  static const std::vector<Metric> kAll = {
+      {"p50", Kind::kLatency, [](const Report& r) { return r.latency.percentile(50); }},
+      {"p90", Kind::kLatency, [](const Report& r) { return r.latency.percentile(90); }},
+      {"p99", Kind::kLatency, [](const Report& r) { return r.latency.percentile(99); }},
+      {"p99.9", Kind::kLatency, [](const Report& r) { return r.latency.percentile(99.9); }},
+      {"mean", Kind::kLatency, [](const Report& r) { return r.latency.mean(); }},
+      {"max", Kind::kLatency, [](const Report& r) { return r.latency.max(); }},
+      {"fps", Kind::kRate, [](const Report& r) { return r.frames_per_second(); }},
+      {"mpoints", Kind::kRate, [](const Report& r) { return r.mpoints_per_second(); }},
+      {"errors", Kind::kShare, [](const Report& r) { return r.error_percent(); }},
+      {"least-share", Kind::kShare, [](const Report& r) { return r.least_share_percent(); }},
+  };
+  return kAll;
+}
+
+const Metric* find_metric(std::string_view name) {
+  for (const Metric& metric : metrics()) {
+    if (metric.name == name) return &metric;
+  }
+  return nullptr;
+}
+
+absl::Status wrong(std::string_view text, std::string_view why) {
+  return absl::InvalidArgumentError(fmt::format("--objective {}: {}", text, why));
+}
+
+absl::StatusOr<double> factor(std::string_view text, Kind kind, std::string_view unit) {
+  switch (kind) {
+    case Kind::kLatency:
+      if (unit == "us") return 0.001;
+      if (unit == "ms") return 1.0;
+      if (unit == "s") return 1000.0;
+      return wrong(text, fmt::format("the unit of a latency must be us, ms or s, not '{}'", unit));
+    case Kind::kShare:
+      if (unit == "%") return 1.0;
+      return wrong(text, fmt::format("the unit of a share must be %, not '{}'", unit));
+    case Kind::kRate:
+      if (unit.empty()) return 1.0;
+      return wrong(text, fmt::format("a rate has no unit, not '{}'", unit));
+  }
+  return wrong(text, "unknown");
+}
+
+}  // namespace
+
+absl::StatusOr<Objective> parse_objective(std::string_view text) {
+  const std::size_t at = text.find_first_of("<>");
+  if (at == std::string_view::npos) return wrong(text, "must be METRIC<NUMBER UNIT, e.g. p99<50ms; also <=, >, >=");
+  const std::size_t length = at + 1 < text.size() && text[at + 1] == '=' ? 2 : 1;
+  Objective objective{std::string(text), std::string(text.substr(0, at)), std::string(text.substr(at, length)), 0};
+  const Metric* metric = find_metric(objective.metric);
+  if (metric == nullptr) {
+    std::string names;
+    for (const Metric& known : metrics()) names += fmt::format("{}{}", names.empty() ? "" : ", ", known.name);
+    return wrong(text, fmt::format("'{}' is none of {}", objective.metric, names));
+  }
+  const std::string_view number = text.substr(at + length);
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), objective.bound);
+  if (error != std::errc{} || !std::isfinite(objective.bound) || objective.bound < 0) {
+    return wrong(text, fmt::format("'{}' does not begin with a number of at least 0", number));
+  }
+  const auto unit = factor(text, metric->kind, number.substr(static_cast<std::size_t>(end - number.data())));
+  if (!unit.ok()) return unit.status();
+  objective.bound *= *unit;
+  return objective;
+}
+
+double value(const Objective& objective, const Report& report) { return find_metric(objective.metric)->value(report); }
+
+bool is_met(const Objective& objective, const Report& report) {
+  const bool of_latency = find_metric(objective.metric)->kind == Kind::kLatency;
+  if (of_latency && report.latency.count() == 0) return false;  // nothing was measured
+  const double reached = value(objective, report);
+  if (objective.comparison == "<") return reached < objective.bound;
+  if (objective.comparison == "<=") return reached <= objective.bound;
+  if (objective.comparison == ">") return reached > objective.bound;
+  return reached >= objective.bound;
+}
+
+}  // namespace segserve::bench

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/load_test/load.hpp"
+#include "client/load_test/load_report.hpp"
+#include "client/load_test/objective.hpp"
+#include "nlohmann/json_fwd.hpp"
+
+namespace segserve::segctl {
+
+/// A load test and what it measured.
+struct BenchSummary {
+  const bench::Report& report;
+  const bench::LoadOptions& load;
+  const std::vector<bench::Objective>& objectives;
+  std::string server, codec;
+};
+
+nlohmann::ordered_json to_json(const BenchSummary& summary);
+
+/// A table for people.
+std::string to_text(const BenchSummary& summary);
+
+}  // namespace segserve::segctl

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include "client/segctl/command.hpp"
+#include "client/segctl/server_flags.hpp"
+#include "client/segctl/staged_output.hpp"
+#include "fmt/format.h"
+#include "nlohmann/json.hpp"
+#include "proto/wire/codec_message.hpp"
+#include "proto/wire/options_message.hpp"
+
+namespace segserve::segctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kDefaultTimeout = 5;
+
+constexpr const char* kFooter = R"(Examples:
+  segctl info
+  segctl info --server robot:50051 --json - | jq .limits.max_points
+
+Exit codes: 0 done; 1 failed (server unreachable); 2 bad usage.)";
+
+struct Arguments {
+  ServerFlags server;
+  std::string json_path;
+};
+
+/// "PAYLOAD_KIND_PCD_FILE" -> "pcd_file".
+std::string short_name(std::string text, std::string_view prefix) {
+  if (text.starts_with(prefix)) text.erase(0, prefix.size());
+  for (char& c : text) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return text;
+}
+
+Json limits_json(const v1::Limits& limits) {
+  return {{"max_message_bytes", limits.max_message_bytes()},
+          {"max_points", limits.max_points()},
+          {"max_decoded_bytes", limits.max_decoded_bytes()},
+          {"max_threads", limits.max_threads()},
+          {"workers", limits.workers()},
+          {"max_queue", limits.max_queue()},
+          {"max_queue_bytes", limits.max_queue_bytes()},
+          {"max_queue_points", limits.max_queue_points()}};
+}
+
+/// Those of this program that the server can decode.
+Json codecs_json(const client::ServerInfo& info) {
+  Json list = Json::array();
+  for (const wire::CodecInfo& codec : wire::codecs()) {
+    if (std::ranges::find(info.payload_kinds(), codec.kind) == info.payload_kinds().end()) continue;
+    list.push_back({{"name", codec.name}, {"lossless", codec.is_lossless}, {"description", codec.description}});
+  }
+  return list;
+}
+
+Json option_json(const v1::OptionInfo& option) {
+  return {{"name", option.name()},
+          {"unit", option.unit()},
+          {"minimum", option.minimum()},
+          {"maximum", option.maximum()},
+          {"default", option.has_default_value() ? Json(option.default_value()) : Json()},
+          {"description", option.description()}};
+}
+
+std::string default_method(const client::ServerInfo& info) {
+  for (const v1::MethodInfo& method : info.methods()) {
+    if (method.method() == info.default_options().method()) return method.name();
+  }
+  return "";
+}
+
+Json to_json(const client::ServerInfo& info) {
+  Json json;
+  json["version"] = info.version();
+  json["payload_kinds"] = Json::array();
+  for (const int kind : info.payload_kinds()) {
+    const auto text = v1::PayloadKind_Name(static_cast<v1::PayloadKind>(kind));
+    json["payload_kinds"].push_back(short_name(text, "PAYLOAD_KIND_"));
+  }
+  json["compressions"] = Json::array();
+  for (const int compression : info.compressions()) {
+    const auto text = v1::Compression_Name(static_cast<v1::Compression>(compression));
+    json["compressions"].push_back(short_name(text, "COMPRESSION_"));
+  }
+  json["codecs"] = codecs_json(info);
+  json["limits"] = limits_json(info.limits());
+  json["default_method"] = default_method(info);
+  json["methods"] = Json::array();
+  for (const v1::MethodInfo& method : info.methods()) {
+    json["methods"].push_back({{"name", method.name()},
+                               {"default_threshold", method.defaults().threshold()},
+                               {"default_voxel_resolution", method.defaults().voxel_resolution()},
+                               {"default_seed_resolution", method.defaults().seed_resolution()}});
+  }
+  json["options"] = Json::array();
+  for (const v1::OptionInfo& option : info.options()) json["options"].push_back(option_json(option));
+  return json;
+}
+
+std::string to_text(const Json& json, const std::string& address) {
+  const auto words = [](const Json& list) {
+    std::string text;
+    for (const Json& word : list) text += (text.empty() ? "" : ", ") + word.get<std::string>();
+    return text;
+  };
+  std::string text = fmt::format("{}: segserve {}\n", address, json["version"].get<std::string>());
+  text += fmt::format("payloads: {}; compressions: {}\n", words(json["payload_kinds"]), words(json["compressions"]));
+  text += "codecs:\n";
+  for (const Json& codec : json["codecs"]) {
+    text += fmt::format("  {:<18} {}\n", codec["name"].get<std::string>(), codec["description"].get<std::string>());
+  }
+  text += "limits:\n";
+  for (const auto& [name, value] : json["limits"].items()) text += fmt::format("  {:<18} {}\n", name, value.dump());
+  text += fmt::format("methods (default {}):\n", json["default_method"].get<std::string>());
+  for (const Json& method : json["methods"]) {
+    text += fmt::format("  {:<20} threshold {}, voxels {} m, seeds {} m\n", method["name"].get<std::string>(),
+                        method["default_threshold"].dump(), method["default_voxel_resolution"].dump(),
+                        method["default_seed_resolution"].dump());
+  }
+  text += "options:\n";
+  for (const Json& option : json["options"]) {
+    const std::string unit = option["unit"].get<std::string>();
+    const std::string standard = option["default"].is_null() ? "" : ", default " + option["default"].dump();
+    text += fmt::format("  {:<22} {} to {}{}{}{}\n", option["name"].get<std::string>(), option["minimum"].get<double>(),
+                        option["maximum"].get<double>(), unit.empty() ? "" : " ", unit, standard);
+  }
+  return text;
+}
+
+absl::Status run(const Arguments& arguments) {
+  StagedOutput output;
+  if (!arguments.json_path.empty()) {
+    if (absl::Status status = output.announce(arguments.json_path); !status.ok()) return status;
+  }
+  const auto client = arguments.server.connect();
+  if (!client.ok()) return client.status();
+  const auto info = client->server_info();
+  if (!info.ok()) return info.status();
+  const Json json = to_json(*info);
+  if (!arguments.json_path.empty()) {
+    output.add(arguments.json_path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  } else {
+    output.add("-", to_text(json, arguments.server.address()));
+  }
+  return output.commit();
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Command& chosen) {
+  CLI::App* command = app.add_subcommand("info", "Tell what the server can do: version, limits, methods, options");
+  auto arguments = std::make_shared<Arguments>();
+  arguments->server.add_to(*command, kDefaultTimeout);
+  command->add_option("--json", arguments->json_path, "write one JSON object instead of text; - is standard output")
+      ->type_name("FILE");
+  command->footer(kFooter);
+  command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
+}
+
+}  // namespace segserve::segctl

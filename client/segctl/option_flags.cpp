@@ -1,0 +1,92 @@
+#include "client/segctl/option_flags.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include "fmt/format.h"
+
+namespace segserve::segctl {
+namespace {
+
+std::string flag_name(std::string_view option) {
+  std::string name = "--" + std::string(option);
+  std::ranges::replace(name, '_', '-');
+  return name;
+}
+
+/// The default of the default method, and of the paper's methods if that differs.
+std::string default_text(const OptionInfo& option) {
+  const std::optional<double> ours = default_value(option, Options{}.method);
+  if (!ours) return "";
+  const bool same = std::ranges::all_of(all_methods(), [&](Method m) { return default_value(option, m) == ours; });
+  return fmt::format(", default {}{}", *ours, same ? "" : fmt::format(" for {}", name(Options{}.method)));
+}
+
+std::string help_text(const OptionInfo& option) {
+  return fmt::format("{}; {} to {}{}{}{}", option.description, option.minimum, option.maximum,
+                     option.unit.empty() ? "" : " ", option.unit, default_text(option));
+}
+
+std::string method_names() {
+  std::string names;
+  for (const Method method : all_methods()) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", name(method));
+  }
+  return names;
+}
+
+}  // namespace
+
+void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag) {
+  flag.option = &option;
+  app.add_option(flag_name(option.name), flag.value, help_text(option))
+      ->type_name(option.whole ? "INT" : "NUMBER")
+      ->group("Segmentation");
+}
+
+void OptionFlags::add_to(CLI::App& app) {
+  app.add_option("--method", method_,
+                 fmt::format("dissimilarity by which regions are merged: {}; default {}", method_names(),
+                             name(Options{}.method)))
+      ->type_name("NAME")
+      ->group("Segmentation");
+  flags_.resize(option_table().size());  // before their addresses are taken
+  for (std::size_t i = 0; i < flags_.size(); ++i) add_number(app, option_table()[i], flags_[i]);
+}
+
+void OptionFlags::add_cut_to(CLI::App& app) {
+  flags_.resize(2);
+  auto flag = flags_.begin();
+  for (const OptionInfo& info : option_table()) {
+    if (info.name == "threshold" || info.name == "regions") add_number(app, info, *flag++);
+  }
+}
+
+absl::StatusOr<Options> OptionFlags::options() const {
+  Options options;
+  std::vector<FieldViolation> faults;
+  if (!method_.empty()) {
+    if (const auto method = method_from_name(method_)) {
+      options.method = *method;
+    } else {
+      faults.push_back({"method", fmt::format("'{}' is none of {}", method_, method_names())});
+    }
+  }
+  for (const Flag& flag : flags_) {
+    if (!flag.value) continue;
+    if (auto fault = violation(*flag.option, *flag.value)) {
+      faults.push_back(*std::move(fault));
+    } else {
+      flag.option->set(options, *flag.value);
+    }
+  }
+  std::ranges::move(violations(options), std::back_inserter(faults));
+  if (faults.empty()) return options;
+  std::string message;
+  for (const FieldViolation& fault : faults) {
+    message += fmt::format("{}{}: {}", message.empty() ? "" : "; ", fault.field, fault.description);
+  }
+  return absl::InvalidArgumentError(message);
+}
+
+}  // namespace segserve::segctl

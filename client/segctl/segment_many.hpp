@@ -1,0 +1,11 @@
+#pragma once
+
+#include "absl/status/status.h"
+#include "client/segctl/segment_arguments.hpp"
+
+namespace segserve::segctl {
+
+/// `segctl segment` with --out-dir: see run_batch.
+absl::Status segment_many(const SegmentArguments& arguments);
+
+}  // namespace segserve::segctl

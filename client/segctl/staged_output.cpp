@@ -1,0 +1,129 @@
+#include "client/segctl/staged_output.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "fmt/format.h"
+
+namespace segserve::segctl {
+namespace {
+
+namespace fs = std::filesystem;
+
+absl::Status cannot_write(std::string_view path, int error) {
+  return absl::UnavailableError(fmt::format("cannot write {}: {}", path, std::strerror(error)));
+}
+
+absl::Status write_bytes(const std::string& path, std::string_view bytes) {
+  const bool to_stdout = path == "-";
+  std::FILE* file = to_stdout ? stdout : std::fopen(path.c_str(), "wb");
+  if (file == nullptr) return cannot_write(path, errno);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  const int write_error = errno;
+  const bool closed = (to_stdout ? std::fflush(file) : std::fclose(file)) == 0;  // a full disk may show only here
+  if (written && closed) return absl::OkStatus();
+  return cannot_write(to_stdout ? "standard output" : path, written ? errno : write_error);
+}
+
+/// Devices and pipes are written to; only regular files are replaced.
+bool is_replaceable(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  return status.type() == fs::file_type::not_found || status.type() == fs::file_type::regular;
+}
+
+/// Where a symbolic link leads, so that the link itself survives.
+fs::path target_of(const fs::path& path) {
+  std::error_code error;
+  fs::path target = fs::weakly_canonical(path, error);
+  return error ? path : target;
+}
+
+/// Temporary files that disappear unless they were renamed.
+class TemporaryFiles {
+ public:
+  TemporaryFiles() = default;
+  TemporaryFiles(const TemporaryFiles&) = delete;
+  TemporaryFiles& operator=(const TemporaryFiles&) = delete;
+  ~TemporaryFiles() {
+    std::error_code ignored;
+    for (const auto& [temporary, target] : files_) fs::remove(temporary, ignored);
+  }
+
+  absl::Status write(const fs::path& target, const StagedOutput::Writer& writer) {
+    fs::path temporary = target;
+    temporary += fmt::format(".tmp-{}-{}", getpid(), files_.size());
+    files_.emplace_back(temporary, target);
+    return writer(temporary.string());
+  }
+
+  absl::Status rename_all() {
+    while (!files_.empty()) {
+      std::error_code error;
+      fs::rename(files_.back().first, files_.back().second, error);
+      if (error) return cannot_write(files_.back().second.native(), error.value());
+      files_.pop_back();
+    }
+    return absl::OkStatus();
+  }
+
+ private:
+  std::vector<std::pair<fs::path, fs::path>> files_;  // temporary name, final name
+};
+
+}  // namespace
+
+absl::Status StagedOutput::announce(std::string_view path) {
+  std::string target = path == "-" ? "-" : target_of(fs::path(path)).string();
+  if (path != "-") {
+    const fs::path parent = fs::path(target).parent_path();
+    std::error_code error;
+    if (!parent.empty() && !fs::is_directory(parent, error)) {
+      return absl::InvalidArgumentError(fmt::format("cannot write {}: there is no folder {}", path, parent.string()));
+    }
+    if (path.empty() || fs::is_directory(target, error)) {
+      return absl::InvalidArgumentError(fmt::format("cannot write '{}': not the name of a file", path));
+    }
+  }
+  if (std::ranges::find(announced_, target) != announced_.end() && (path == "-" || is_replaceable(target))) {
+    return absl::InvalidArgumentError(
+        fmt::format("two outputs cannot both go to {}", path == "-" ? "standard output" : path));
+  }
+  announced_.push_back(std::move(target));
+  return absl::OkStatus();
+}
+
+void StagedOutput::add(std::string_view path, std::string bytes) {
+  add(path, [content = std::move(bytes)](const std::string& target) { return write_bytes(target, content); });
+}
+
+void StagedOutput::add(std::string_view path, Writer writer) {
+  files_.push_back({std::string(path), std::move(writer)});
+}
+
+bool StagedOutput::uses_stdout() const { return std::ranges::find(announced_, "-") != announced_.end(); }
+
+absl::Status StagedOutput::commit() {
+  TemporaryFiles temporary;
+  for (const File& file : files_) {
+    if (file.path == "-") continue;
+    const bool replace = is_replaceable(file.path);
+    absl::Status status = replace ? temporary.write(target_of(file.path), file.write) : file.write(file.path);
+    if (!status.ok()) return status;
+  }
+  if (absl::Status status = temporary.rename_all(); !status.ok()) return status;
+  for (const File& file : files_) {
+    if (file.path != "-") continue;
+    if (absl::Status status = file.write("-"); !status.ok()) return status;
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace segserve::segctl

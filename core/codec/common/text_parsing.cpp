@@ -1,0 +1,98 @@
+#include "core/codec/common/text_parsing.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <system_error>
+
+namespace segserve::codec {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+template <typename T>
+std::from_chars_result convert(std::string_view word, T& value) {
+  return std::from_chars(word.data(), word.data() + word.size(), value);
+}
+
+// As double, for the sake of its range: what underflows a float becomes 0, what overflows it infinite.
+template <typename T>
+bool convert_float(std::string_view word, T& value) {
+  auto result = convert(word, value);
+  if (result.ec == std::errc::result_out_of_range) {
+    double wide = 0.0;
+    result = convert(word, wide);
+    value = static_cast<T>(wide);
+  }
+  return result.ec == std::errc{} && result.ptr == word.data() + word.size();
+}
+
+}  // namespace
+
+std::optional<LineReader::Line> LineReader::next() {
+  if (offset_ >= text_.size()) return std::nullopt;
+  const std::string_view rest = text_.substr(offset_);
+  const std::size_t end = rest.find('\n');
+  const bool terminated = end != std::string_view::npos;
+  std::string_view line = rest.substr(0, end);
+  offset_ += terminated ? end + 1 : rest.size();
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return Line{line, next_line_++, terminated};
+}
+
+std::string_view take_word(std::string_view& text) {
+  std::size_t begin = 0;
+  while (begin < text.size() && is_blank(text[begin])) ++begin;
+  std::size_t end = begin;
+  while (end < text.size() && !is_blank(text[end])) ++end;
+  const std::string_view word = text.substr(begin, end - begin);
+  text.remove_prefix(end);
+  return word;
+}
+
+std::vector<std::string_view> split_words(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) words.push_back(word);
+  return words;
+}
+
+std::optional<std::uint64_t> parse_count(std::string_view word) {
+  std::uint64_t value = 0;
+  const auto [end, error] = convert(word, value);
+  if (error != std::errc{} || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  return visit_type(type, [&]<typename T>(T value) {
+    if constexpr (std::is_floating_point_v<T>) {
+      if (!convert_float(word, value)) return false;
+    } else {
+      const auto [end, error] = convert(word, value);
+      if (error != std::errc{} || end != word.data() + word.size()) return false;
+    }
+    std::memcpy(out, &value, sizeof(T));
+    return true;
+  });
+}
+
+void append_number(std::string& out, float value) {
+  if (std::isnan(value)) {
+    out += "nan";
+  } else {
+    fmt::format_to(std::back_inserter(out), "{}", value);
+  }
+}
+
+std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text = "'";
+  for (const char c : word.substr(0, kLongest)) text += c >= ' ' && c <= '~' ? c : '?';
+  text += word.size() > kLongest ? "...'" : "'";
+  return text;
+}
+
+}  // namespace segserve::codec

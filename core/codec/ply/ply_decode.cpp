@@ -1,0 +1,207 @@
+#include <fmt/format.h>
+
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "core/codec/common/point_columns.hpp"
+#include "core/codec/common/text_parsing.hpp"
+#include "core/codec/ply/ply_header.hpp"
+#include "segserve/codec/ply.hpp"
+
+namespace segserve::codec {
+namespace {
+
+template <typename... Args>
+absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
+  return absl::InvalidArgumentError("PLY body: " + fmt::format(format, std::forward<Args>(args)...));
+}
+
+/// The length of a list as it stands in `bytes`; none if it is negative.
+std::optional<std::uint64_t> list_length(const std::byte* bytes, ScalarType type, std::endian order) {
+  return visit_type(type, [&]<typename T>(T) -> std::optional<std::uint64_t> {
+    const T length = load<T>(bytes, order);
+    if (length < T{0}) return std::nullopt;
+    return static_cast<std::uint64_t>(length);
+  });
+}
+
+/// Walks over the values of a binary body.
+class BinaryValues {
+ public:
+  BinaryValues(std::span<const std::byte> body, std::endian order) : rest_(body), order_(order) {}
+
+  std::endian order() const { return order_; }
+  bool can_hold(const PlyElement& element) const {
+    const std::size_t bytes = element.least_row_bytes();
+    return bytes == 0 || element.rows <= rest_.size() / bytes;
+  }
+  bool begin_row() { return true; }
+  bool end_row() { return true; }
+  /// Copies the value to `out` (null: skips it), in the body's byte order.
+  bool scalar(const PlyProperty& property, std::byte* out) {
+    const std::size_t bytes = size_of(property.type);
+    if (rest_.size() < bytes) return false;
+    if (out != nullptr) std::memcpy(out, rest_.data(), bytes);
+    rest_ = rest_.subspan(bytes);
+    return true;
+  }
+  bool skip_list(const PlyProperty& property) {
+    const std::size_t bytes = size_of(*property.length_type);
+    if (rest_.size() < bytes) return false;
+    const auto length = list_length(rest_.data(), *property.length_type, order_);
+    rest_ = rest_.subspan(bytes);
+    if (!length || *length > rest_.size() / size_of(property.type)) return false;
+    rest_ = rest_.subspan(static_cast<std::size_t>(*length) * size_of(property.type));
+    return true;
+  }
+  absl::Status check_end() const { return absl::OkStatus(); }  // what follows belongs to nobody
+  static std::string place() { return "the body is too short, or the length of a list is wrong"; }
+
+ private:
+  std::span<const std::byte> rest_;
+  std::endian order_;
+};
+
+/// Walks over the values of a text body: a line for each row.
+class TextValues {
+ public:
+  TextValues(std::string_view body, std::size_t first_line) : lines_(body, first_line), bytes_(body.size()) {}
+
+  static std::endian order() { return std::endian::native; }
+  bool can_hold(const PlyElement& element) const {
+    // Every value takes a byte and a delimiter; the last one can do without.
+    return element.properties.empty() || element.rows <= (bytes_ + 1) / 2 / element.properties.size();
+  }
+  bool begin_row() {
+    std::optional<LineReader::Line> line = lines_.next();
+    while (line && line->text.find_first_not_of(" \t\r") == std::string_view::npos) line = lines_.next();
+    if (!line) return explain("it ends too early");
+    line_ = *line;
+    return true;
+  }
+  bool end_row() {
+    const std::string_view word = take_word(line_.text);
+    return word.empty() || explain(fmt::format("{} is one value too many", quoted(word)));
+  }
+  bool scalar(const PlyProperty& property, std::byte* out) {
+    const std::string_view word = take_word(line_.text);
+    if (word.empty()) return explain(fmt::format("the value of '{}' is missing", property.name));
+    if (out == nullptr || parse_scalar(word, property.type, out)) return true;
+    return explain(fmt::format("{} is not a value of '{}'", quoted(word), property.name));
+  }
+  bool skip_list(const PlyProperty& property) {
+    const std::string_view word = take_word(line_.text);
+    const auto length = parse_count(word);
+    if (!length) return explain(fmt::format("{} is not the length of the list '{}'", quoted(word), property.name));
+    for (std::uint64_t i = 0; i < *length; ++i) {
+      if (take_word(line_.text).empty()) return explain(fmt::format("the list '{}' is too short", property.name));
+    }
+    return true;
+  }
+  absl::Status check_end() {
+    const bool more = begin_row();
+    return more ? fault("line {} is one more than the header promises", line_.number) : absl::OkStatus();
+  }
+  std::string place() const {
+    return line_.number == 0 ? explanation_ : fmt::format("line {}: {}", line_.number, explanation_);
+  }
+
+ private:
+  bool explain(std::string explanation) {
+    explanation_ = std::move(explanation);
+    return false;
+  }
+
+  LineReader lines_;
+  std::size_t bytes_;
+  LineReader::Line line_{};
+  std::string explanation_;
+};
+
+/// The values of the properties that have a role, a row for each vertex.
+struct VertexRows {
+  static constexpr std::size_t kSkip = std::numeric_limits<std::size_t>::max();
+  std::vector<std::size_t> offset;  ///< within a row, by property; kSkip: it has no role
+  std::size_t bytes = 0;            ///< of a row
+  std::unique_ptr<std::byte[]> data;
+
+  VertexRows(const PlyElement& vertex, const Roles& roles) : offset(vertex.properties.size(), kSkip) {
+    for (const std::size_t property : roles.fields()) {
+      offset[property] = bytes;
+      bytes += size_of(vertex.properties[property].type);
+    }
+  }
+};
+
+/// Reads one element; keeps its values if `keep` is not null.
+template <typename Values>
+absl::Status read_element(const PlyElement& element, Values& values, VertexRows* keep) {
+  if (element.properties.empty()) return absl::OkStatus();
+  if (!values.can_hold(element)) return fault("it is too short for {} rows of {}", element.rows, quoted(element.name));
+  if (keep != nullptr) {
+    keep->data = std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(element.rows) * keep->bytes);
+  }
+  for (std::uint64_t row = 0; row < element.rows; ++row) {
+    bool good = values.begin_row();
+    for (std::size_t i = 0; good && i < element.properties.size(); ++i) {
+      const PlyProperty& property = element.properties[i];
+      const bool wanted = keep != nullptr && keep->offset[i] != VertexRows::kSkip;
+      std::byte* out = wanted ? keep->data.get() + row * keep->bytes + keep->offset[i] : nullptr;
+      good = property.length_type ? values.skip_list(property) : values.scalar(property, out);
+    }
+    if (!good || !values.end_row()) {
+      return fault("row {} (counted from 0) of {}: {}", row, quoted(element.name), values.place());
+    }
+  }
+  return absl::OkStatus();
+}
+
+template <typename Values>
+absl::Status read_body(const PlyHeader& header, Values values, LabelledCloud& out) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  VertexRows rows(vertex, header.roles);
+  for (const PlyElement& element : header.elements) {
+    if (auto status = read_element(element, values, &element == &vertex ? &rows : nullptr); !status.ok()) return status;
+  }
+  if (auto status = values.check_end(); !status.ok()) return status;
+  const auto column = [&](std::size_t property) {
+    return Column{rows.data.get() + rows.offset[property], rows.bytes, vertex.properties[property].type,
+                  values.order()};
+  };
+  return read_columns(header.roles, column, static_cast<std::size_t>(vertex.rows), out);
+}
+
+absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body, LabelledCloud& out) {
+  switch (header.format) {
+    case PlyFormat::kAscii:
+      return read_body(header, TextValues(as_text(body), header.body_line), out);
+    case PlyFormat::kLittleEndian:
+      return read_body(header, BinaryValues(body, std::endian::little), out);
+    case PlyFormat::kBigEndian:
+      break;
+  }
+  return read_body(header, BinaryValues(body, std::endian::big), out);
+}
+
+}  // namespace
+
+absl::StatusOr<LabelledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                         std::optional<View> view) {
+  if (bytes.size() > limits.max_bytes) {
+    return over_limit(fmt::format("PLY file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes),
+                      {"max_bytes", bytes.size(), limits.max_bytes});
+  }
+  const auto header = parse_ply_header(as_text(bytes), limits);
+  if (!header.ok()) return header.status();
+  LabelledCloud out;
+  if (auto status = read_body(*header, bytes.subspan(header->body_offset), out); !status.ok()) return status;
+  out.cloud.view = view.value_or(View::world());
+  out.view_rule = !view                             ? "WORLD without a sensor: PLY does not tell"
+                  : view->kind == ViewKind::kCamera ? "CAMERA, as asked for"
+                                                    : "WORLD, as asked for";
+  return out;
+}
+
+}  // namespace segserve::codec

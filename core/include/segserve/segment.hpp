@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/math/vec3.hpp"
+#include "segserve/cloud.hpp"
+#include "segserve/merge_tree.hpp"
+#include "segserve/options.hpp"
+#include "segserve/segment_statistics.hpp"
+#include "segserve/stop_token.hpp"
+#include "segserve/support_plane.hpp"
+
+namespace segserve {
+
+/// Wall time of each stage, milliseconds.
+struct StageTimings {
+  double voxels = 0;       ///< voxelisation of the points
+  double normals = 0;      ///< voxel adjacency, the support plane, normals
+  double supervoxels = 0;  ///< seeds and growth (VCCS)
+  double graph = 0;        ///< region features, region adjacency graph
+  double merging = 0;      ///< weights and the merge tree
+  double labels = 0;       ///< cut, labels of the input points
+  double segments = 0;     ///< statistics of the segments, if asked for: see describe
+  double total = 0;
+};
+
+/// A segmented cloud of N points and m supervoxels. Points that are not finite, left out by the crop box or the
+/// range, or removed with the support plane are not segmented.
+struct Segmentation {
+  std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not segmented, 1..segments by descending size
+  std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
+  MergeTree tree;                          ///< the whole hierarchy; cut it anew without segmenting again
+  std::uint32_t segments = 0;
+  /// Of the segments, largest first, kMostDescribedSegments at most; empty unless asked for: see describe.
+  std::vector<SegmentStatistics> statistics;
+  std::vector<Vec3> supervoxel_normals;       ///< m: sums of the unit normals of each supervoxel's voxels
+  std::size_t finite_points = 0;              ///< segmented or not
+  std::size_t segmented_points = 0;           ///< with a label other than 0: the sum over the tree's leaves
+  std::optional<SupportPlane> support_plane;  ///< set if its removal was asked for
+  std::size_t voxels = 0;                     ///< that were segmented
+  std::optional<double> threshold;            ///< of the cut; unset if the caller asked for a number of regions
+  double lambda = 0;  ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
+  StageTimings timings;
+};
+
+/// Segments clouds one after the other and keeps its buffers between calls. One thread at a time
+/// may use an object; the result is a pure function of cloud and options.
+class Segmenter {
+ public:
+  Segmenter();
+  ~Segmenter();
+  Segmenter(Segmenter&&) noexcept;
+  Segmenter& operator=(Segmenter&&) noexcept;
+
+  /// Errors: INVALID_ARGUMENT (options; shape; a CAMERA point with z <= 0; a coordinate beyond the
+  /// grid), CANCELLED, DEADLINE_EXCEEDED. A cloud without any point to segment is no error: all labels
+  /// are 0 and the tree is empty.
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
+
+ private:
+  struct Workspace;
+  std::unique_ptr<Workspace> workspace_;
+};
+
+/// The same for a single cloud.
+absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
+
+/// Sets the statistics of a segmentation of this cloud, and the time that took. They have normals if it has those of
+/// its supervoxels. Errors: see describe_segments.
+absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation);
+
+}  // namespace segserve

@@ -1,0 +1,151 @@
+#include "core/lab/eval/evaluation.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <memory>
+#include <ranges>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include "core/lab/eval/boundary.hpp"
+#include "core/lab/eval/scores.hpp"
+#include "fmt/format.h"
+#include "segserve/codec/cloud_file.hpp"
+#include "segserve/segment.hpp"
+
+namespace segserve::eval {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_scene(const fs::directory_entry& entry) {
+  std::string extension = entry.path().extension().string();
+  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  std::error_code ignored;
+  return (extension == ".pcd" || extension == ".ply") && entry.is_regular_file(ignored);
+}
+
+absl::Status in_file(const fs::path& path, const absl::Status& status) {
+  return {status.code(),
+          fmt::format("{}: {}", path.string(), std::string_view(status.message().data(), status.message().size()))};
+}
+
+bool has_objects(const Contingency& table) {
+  return std::ranges::any_of(table.regions, [](const Part& region) { return region.label >= kFirstObjectLabel; });
+}
+
+Partition partition_of(Segmentation segmentation) {
+  return {std::move(segmentation.labels), std::move(segmentation.supervoxels), segmentation.segments,
+          segmentation.tree.leaf_count(), segmentation.timings.total};
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<fs::path>> scene_files(const fs::path& folder) {
+  std::error_code error;
+  const fs::file_status status = fs::status(folder, error);
+  if (!fs::exists(status)) return absl::NotFoundError(fmt::format("there is no folder {}", folder.string()));
+  if (!fs::is_directory(status)) return absl::InvalidArgumentError(fmt::format("{} is no folder", folder.string()));
+  std::vector<fs::path> files;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::directory_iterator(); at.increment(error)) {
+    if (is_scene(*at)) files.push_back(at->path());
+  }
+  if (error) return absl::UnavailableError(fmt::format("cannot read {}: {}", folder.string(), error.message()));
+  if (files.empty()) return absl::InvalidArgumentError(fmt::format("{} has no .pcd or .ply file", folder.string()));
+  std::ranges::sort(files);
+  return files;
+}
+
+absl::StatusOr<codec::LabelledCloud> load_scene(const fs::path& path, const Degradation& degradation) {
+  auto scene = codec::load_cloud(path.string());
+  if (!scene.ok()) return scene.status();
+  if (scene->label.empty()) {
+    return in_file(path, absl::InvalidArgumentError("no ground truth: the file has no field \"label\""));
+  }
+  const Cloud& cloud = scene->cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) scene->label[i] = 0;
+  }
+  if (absl::Status status = degrade(*scene, degradation, path.filename().string()); !status.ok()) {
+    return in_file(path, status);
+  }
+  if (std::ranges::all_of(scene->label, [](std::uint32_t label) { return label == 0; })) {
+    return in_file(path, absl::InvalidArgumentError("no ground truth: no finite point has a label other than 0"));
+  }
+  return scene;
+}
+
+absl::StatusOr<MetricValues> score(const codec::LabelledCloud& scene, const Partition& partition) {
+  const auto segments = tabulate(scene.label, partition.labels);
+  if (!segments.ok()) return segments.status();
+  const auto supervoxels = tabulate(scene.label, partition.supervoxels);
+  if (!supervoxels.ok()) return supervoxels.status();
+
+  MetricValues v;
+  v[metric("supervoxels")] = static_cast<double>(partition.supervoxel_count);
+  v[metric("segments")] = static_cast<double>(partition.segment_count);
+  v[metric("ms")] = partition.ms;
+  const Scores one = one_to_one_scores(*segments);
+  v[metric("one_to_one.wov")] = one.wov, v[metric("one_to_one.tp")] = one.tp;
+  v[metric("one_to_one.fp")] = one.fp, v[metric("one_to_one.fn")] = one.fn;
+  v[metric("one_to_one.f")] = one.f;
+  const Scores all = paper_scores(*segments, Regions::kAll);
+  v[metric("paper_all.wov")] = all.wov, v[metric("paper_all.tp")] = all.tp;
+  v[metric("paper_all.fp")] = all.fp, v[metric("paper_all.fn")] = all.fn;
+  if (has_objects(*segments)) {
+    const Scores objects = paper_scores(*segments, Regions::kObjects);
+    v[metric("paper_objects.wov")] = objects.wov, v[metric("paper_objects.tp")] = objects.tp;
+    v[metric("paper_objects.fp")] = objects.fp, v[metric("paper_objects.fn")] = objects.fn;
+  }
+  v[metric("variation_of_information")] = variation_of_information(*segments);
+  const SupervoxelScores quality = supervoxel_scores(*supervoxels);
+  v[metric("supervoxel_quality.achievable_accuracy")] = quality.achievable_accuracy;
+  v[metric("supervoxel_quality.undersegmentation_error")] = quality.undersegmentation_error;
+  v[metric("supervoxel_quality.boundary_recall")] =
+      boundary_recall(scene.label, partition.supervoxels, scene.cloud.width, scene.cloud.height);
+  return v;
+}
+
+absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<fs::path>& files, const Degradation& degradation,
+                                                  const SegmentScene& segment, const Progress& progress) {
+  std::vector<SceneScores> rows;
+  for (const fs::path& file : files) {
+    const auto scene = load_scene(file, degradation);
+    if (!scene.ok()) return scene.status();
+    const auto partition = segment(scene->cloud);
+    if (!partition.ok()) return in_file(file, partition.status());
+    const auto values = score(*scene, *partition);
+    if (!values.ok()) return in_file(file, values.status());
+    rows.push_back({file.filename().string(), *values});
+    progress(rows.size(), files.size());
+  }
+  return rows;
+}
+
+SegmentScene with_options(const Options& options) {
+  return [options, segmenter = std::make_shared<Segmenter>()](const CloudView& cloud) -> absl::StatusOr<Partition> {
+    auto segmentation = segmenter->segment(cloud, options);
+    if (!segmentation.ok()) return segmentation.status();
+    return partition_of(*std::move(segmentation));
+  };
+}
+
+absl::StatusOr<ThresholdSweep> learn_threshold(const std::vector<fs::path>& files, const Options& options,
+                                               const Progress& progress) {
+  Segmenter segmenter;
+  ThresholdSweep sweep;
+  for (const fs::path& file : files) {
+    const auto scene = load_scene(file, {});
+    if (!scene.ok()) return scene.status();
+    const auto segmentation = segmenter.segment(scene->cloud, options);
+    if (!segmentation.ok()) return in_file(file, segmentation.status());
+    const auto supervoxels = tabulate(scene->label, segmentation->supervoxels);
+    if (!supervoxels.ok()) return in_file(file, supervoxels.status());
+    if (absl::Status status = sweep.add(*supervoxels, segmentation->tree); !status.ok()) return in_file(file, status);
+    progress(sweep.scenes(), files.size());
+  }
+  return sweep;
+}
+
+}  // namespace segserve::eval

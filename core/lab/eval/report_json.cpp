@@ -1,0 +1,115 @@
+#include <cmath>
+#include <cstddef>
+
+#include "core/lab/eval/report.hpp"
+#include "fmt/format.h"
+#include "nlohmann/json.hpp"
+
+namespace segserve::eval {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number_or_null(std::optional<double> value) { return value && std::isfinite(*value) ? Json(*value) : Json(); }
+
+/// "one_to_one.wov" is the member wov of the member one_to_one.
+Json::json_pointer pointer_to(const Metric& metric) {
+  std::string path = fmt::format("/{}", metric.name);
+  for (char& c : path) c = c == '.' ? '/' : c;
+  return Json::json_pointer(path);
+}
+
+void add_metrics(Json& json, const MetricValues& values) {
+  for (std::size_t m = 0; m < kMetrics.size(); ++m) json[pointer_to(kMetrics[m])] = number_or_null(values[m]);
+}
+
+Json learnt_json(const Learnt& learnt) {
+  const ThresholdSweep& sweep = learnt.sweep;
+  Json json = {{"data", learnt.folder},
+               {"scenes", sweep.scenes()},
+               {"threshold", ThresholdSweep::threshold(sweep.best())},
+               {"one_to_one_tp", sweep.tp(sweep.best())}};
+  if (learnt.with_curve) {
+    Json& curve = json["curve"] = Json::array();
+    for (std::size_t i = 0; i < ThresholdSweep::kThresholds; ++i) {
+      curve.push_back({{"threshold", ThresholdSweep::threshold(i)}, {"one_to_one_tp", sweep.tp(i)}});
+    }
+  }
+  return json;
+}
+
+/// Names of files need not be UTF-8; JSON must be.
+std::string one_line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+absl::StatusOr<SceneScores> scene_from(const Json& json, std::size_t row) {
+  if (!json.is_object() || !json.contains("file") || !json["file"].is_string()) {
+    return absl::InvalidArgumentError(fmt::format("per_scene[{}] has no file", row));
+  }
+  SceneScores scene{json["file"].get<std::string>(), {}};
+  for (std::size_t m = 0; m < kMetrics.size(); ++m) {
+    const auto pointer = pointer_to(kMetrics[m]);
+    if (!json.contains(pointer) || json[pointer].is_null()) continue;
+    if (!json[pointer].is_number()) {
+      return absl::InvalidArgumentError(fmt::format("per_scene[{}]: {} is not a number", row, kMetrics[m].name));
+    }
+    scene.values[m] = json[pointer].get<double>();
+  }
+  return scene;
+}
+
+}  // namespace
+
+std::string to_json(const Report& report) {
+  Json json;
+  json["scenes"] = report.per_scene.size();
+  json["method"] = report.method;
+  json["threshold"] = number_or_null(report.threshold);
+  json["data"] = report.folder;
+  const Degradation& d = report.degradation;
+  json["degradation"] = {
+      {"scale", d.scale}, {"noise_mm", d.noise_mm}, {"keep", d.keep}, {"color", d.color}, {"seed", d.seed}};
+  json["learnt"] = report.learnt ? learnt_json(*report.learnt) : Json();
+  add_metrics(json, mean(report.per_scene));
+  Json& rows = json["per_scene"] = Json::array();
+  for (const SceneScores& scene : report.per_scene) {
+    Json row = {{"file", scene.file}};
+    add_metrics(row, scene.values);
+    rows.push_back(std::move(row));
+  }
+  return one_line(json);
+}
+
+absl::StatusOr<Report> report_from_json(std::string_view text) {
+  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const bool looks_right = json.is_object() && json.contains("method") && json["method"].is_string() &&
+                           json.contains("per_scene") && json["per_scene"].is_array();
+  if (!looks_right) {
+    return absl::InvalidArgumentError("not a result of segctl eval: no JSON object with method and per_scene");
+  }
+  Report report;
+  report.method = json["method"].get<std::string>();
+  for (const Json& row : json["per_scene"]) {
+    auto scene = scene_from(row, report.per_scene.size());
+    if (!scene.ok()) return scene.status();
+    report.per_scene.push_back(*std::move(scene));
+  }
+  return report;
+}
+
+std::string to_json(const std::vector<PairedDifference>& differences, const std::string& a, const std::string& b) {
+  Json json = {{"a", a}, {"b", b}};
+  Json& metrics = json["differences"] = Json::object();
+  for (const PairedDifference& d : differences) {
+    metrics[std::string(kMetrics[d.metric].name)] = {{"scenes", d.scenes},
+                                                     {"mean_a", d.mean_a},
+                                                     {"mean_b", d.mean_b},
+                                                     {"difference", d.difference},
+                                                     {"interval95", {d.low, d.high}},
+                                                     {"t", number_or_null(d.t)},
+                                                     {"p_two_sided", d.p_two_sided},
+                                                     {"p_better", number_or_null(d.p_better)}};
+  }
+  return one_line(json);
+}
+
+}  // namespace segserve::eval

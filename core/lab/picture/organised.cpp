@@ -1,0 +1,23 @@
+#include <cmath>
+
+#include "core/lab/picture/raster.hpp"
+
+namespace segserve::picture {
+
+Raster rasterize_organised(const CloudView& cloud) {
+  Raster raster(cloud.width, cloud.height);
+  const auto distance = [&](std::size_t i) {
+    if (cloud.view.kind == ViewKind::kCamera) return cloud.z[i];
+    if (!cloud.view.sensor) return 1.0F;
+    const auto& [x, y, z] = *cloud.view.sensor;
+    return std::hypot(cloud.x[i] - x, cloud.y[i] - y, cloud.z[i] - z);
+  };
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;
+    raster.point[i] = static_cast<std::uint32_t>(i);
+    raster.depth[i] = distance(i);
+  }
+  return raster;
+}
+
+}  // namespace segserve::picture

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/lab/picture/picture.hpp"
+#include "core/lab/picture/raster.hpp"
+
+namespace segserve::picture {
+namespace {
+
+using Color = std::array<float, 3>;  // 0 to 255
+
+Color unpack(std::uint32_t rgb) {
+  return {static_cast<float>(red(rgb)), static_cast<float>(green(rgb)), static_cast<float>(blue(rgb))};
+}
+
+Color mix(const Color& a, const Color& b, float share_of_b) {
+  Color out{};
+  for (std::size_t i = 0; i < 3; ++i) out[i] = a[i] + (b[i] - a[i]) * share_of_b;
+  return out;
+}
+
+Color scaled(Color color, float factor) {
+  for (float& channel : color) channel *= factor;
+  return color;
+}
+
+void put(const Color& color, std::size_t pixel, Image& image) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    image.rgb[3 * pixel + i] = static_cast<std::uint8_t>(std::clamp(color[i] + 0.5F, 0.0F, 255.0F));
+  }
+}
+
+/// Luma, 0 to 1.
+float brightness(const Color& c) { return (0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2]) / 255.0F; }
+
+/// Light grey nearby, dark grey far away, for clouds without colour.
+class DepthShade {
+ public:
+  explicit DepthShade(const Raster& raster) {
+    std::vector<float> depths;
+    for (std::size_t i = 0; i < raster.depth.size(); ++i) {
+      if (raster.point[i] != Raster::kNoPoint) depths.push_back(raster.depth[i]);
+    }
+    if (depths.empty()) return;
+    const auto quantile = [&](std::size_t percent) {
+      const std::size_t rank = (depths.size() - 1) * percent / 100;
+      std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(rank), depths.end());
+      return depths[rank];
+    };
+    nearest_ = quantile(2);
+    farthest_ = quantile(98);
+  }
+
+  Color operator()(float depth) const {
+    const float range = std::max(farthest_ - nearest_, 1e-6F);
+    const float far = std::clamp((depth - nearest_) / range, 0.0F, 1.0F);
+    return scaled(unpack(0xD8D8DC), 1.0F - 0.65F * far);
+  }
+
+ private:
+  float nearest_ = 0.0F;
+  float farthest_ = 0.0F;
+};
+
+/// The segment's colour carries the brightness of the point's own, so that texture stays visible.
+Color paint(const Color& own, std::uint32_t label, float blend) {
+  const Color segment = scaled(unpack(segment_color(label)), 0.45F + 0.75F * brightness(own));
+  return mix(own, segment, blend);
+}
+
+Image paint_points(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options,
+                   const Raster& raster) {
+  Image image{raster.width, raster.height, std::vector<std::uint8_t>(3 * raster.point.size())};
+  const DepthShade shade(raster);
+  const float blend = std::clamp(options.blend, 0.0F, 1.0F);
+  for (std::size_t pixel = 0; pixel < raster.point.size(); ++pixel) {
+    const std::uint32_t point = raster.point[pixel];
+    if (point == Raster::kNoPoint) {
+      put(unpack(options.background), pixel, image);
+      continue;
+    }
+    const Color own = cloud.has_color() ? unpack(cloud.rgb[point]) : shade(raster.depth[pixel]);
+    put(labels.empty() ? own : paint(own, labels[point], blend), pixel, image);
+  }
+  return image;
+}
+
+void darken(std::size_t pixel, float factor, Image& image) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    image.rgb[3 * pixel + i] = static_cast<std::uint8_t>(factor * static_cast<float>(image.rgb[3 * pixel + i]));
+  }
+}
+
+/// Darkens the pixels whose right or lower neighbour is of another segment: lines one pixel wide.
+void draw_borders(std::span<const std::uint32_t> labels, const Raster& raster, Image& image) {
+  const auto label = [&](std::size_t pixel) {
+    return raster.point[pixel] == Raster::kNoPoint ? 0U : labels[raster.point[pixel]];
+  };
+  const auto differ = [&](std::size_t a, std::size_t b) {
+    return label(a) != 0 && label(b) != 0 && label(a) != label(b);
+  };
+  for (std::size_t y = 0; y < raster.height; ++y) {
+    for (std::size_t x = 0; x < raster.width; ++x) {
+      const std::size_t pixel = y * raster.width + x;
+      const bool right = x + 1 < raster.width && differ(pixel, pixel + 1);
+      const bool lower = y + 1 < raster.height && differ(pixel, pixel + raster.width);
+      if (right || lower) darken(pixel, 0.25F, image);
+    }
+  }
+}
+
+/// Eye-dome lighting (C. Boucheny, 2009): a pixel is darker the more its neighbours are in front of it,
+/// which shows edges and folds without normals.
+void light_edges(const Raster& raster, Image& image) {
+  const auto log_depth = [&](std::size_t x, std::size_t y) {
+    const std::size_t pixel = y * raster.width + x;
+    return raster.point[pixel] == Raster::kNoPoint ? 0.0F : std::log2(raster.depth[pixel]);
+  };
+  constexpr float kNoise = 0.008F;  // relative depth steps, as log2, that surfaces have by themselves
+  constexpr std::array<std::array<int, 2>, 8> kAround{
+      {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+  for (std::size_t y = 2; y + 2 < raster.height; ++y) {
+    for (std::size_t x = 2; x + 2 < raster.width; ++x) {
+      const std::size_t pixel = y * raster.width + x;
+      if (raster.point[pixel] == Raster::kNoPoint) continue;
+      float in_front = 0.0F;
+      for (const auto& [dx, dy] : kAround) {
+        const std::size_t nx = x + static_cast<std::size_t>(dx);
+        const std::size_t ny = y + static_cast<std::size_t>(dy);
+        if (raster.point[ny * raster.width + nx] == Raster::kNoPoint) continue;
+        in_front += std::max(0.0F, log_depth(x, y) - log_depth(nx, ny) - kNoise);
+      }
+      constexpr float kStrength = 6.0F;
+      darken(pixel, std::max(0.25F, std::exp(-kStrength * in_front)), image);
+    }
+  }
+}
+
+}  // namespace
+
+Image render(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options) {
+  const bool organised = cloud.height > 1;
+  const Raster raster = organised ? rasterize_organised(cloud) : project(cloud, options.width, options.height);
+  Image image = paint_points(cloud, labels, options, raster);
+  if (!organised) light_edges(raster, image);
+  if (organised && options.borders && !labels.empty()) draw_borders(labels, raster, image);
+  return image;
+}
+
+}  // namespace segserve::picture

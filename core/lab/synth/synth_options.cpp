@@ -1,0 +1,48 @@
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "core/lab/synth/scene.hpp"
+#include "fmt/format.h"
+
+namespace segserve::synth {
+namespace {
+
+// Collects every option that is out of its range.
+class Violations {
+ public:
+  void require(std::string_view name, double value, double low, double high) {
+    if (value >= low && value <= high) return;  // false for NaN
+    fmt::format_to(std::back_inserter(text_), "{}{} is {}, must be in [{}, {}]", text_.empty() ? "" : "; ", name, value,
+                   low, high);
+  }
+  absl::Status status() const { return text_.empty() ? absl::OkStatus() : absl::InvalidArgumentError(text_); }
+
+ private:
+  std::string text_;
+};
+
+}  // namespace
+
+absl::Status check(const SceneOptions& options) {
+  Violations violations;
+  violations.require("width", options.width, 16, 4096);
+  violations.require("height", options.height, 16, 4096);
+  violations.require("objects", options.objects, 0, 40);
+  violations.require("stacked", options.stacked, 0, 1);
+  violations.require("clutter", options.clutter, 0, 1);
+  violations.require("noise", options.noise, 0, 10);
+  violations.require("distance", options.distance, 0.5, 3);
+  return violations.status();
+}
+
+absl::Status check(const RoomOptions& options) {
+  Violations violations;
+  violations.require("points", options.points, 1000, 20e6);
+  violations.require("size", options.size, 0.7, 10);
+  violations.require("objects", options.objects, 0, 60);
+  violations.require("noise", options.noise, 0, 10);
+  return violations.status();
+}
+
+}  // namespace segserve::synth

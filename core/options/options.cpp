@@ -1,0 +1,217 @@
+#include "segserve/options.hpp"
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <utility>
+
+#include "fmt/format.h"
+
+namespace segserve {
+namespace {
+
+/// What a method takes unless the caller says otherwise.
+struct MethodInfo {
+  Method method;
+  std::string_view name;
+  double threshold;
+  SupervoxelOptions supervoxels;
+};
+
+constexpr SupervoxelOptions kPaperSupervoxels{0.008, 0.08, 0.2, 0.4, 1.0};  // about 250 on an OSD frame
+constexpr SupervoxelOptions kFineSupervoxels{0.0075, 0.03, 0.0, 1.0, 4.0};  // about 1,050
+
+constexpr std::array kMethods = {
+    MethodInfo{Method::kBorder, "border", 0.5, kFineSupervoxels},
+    MethodInfo{Method::kColor, "color", 0.10, kPaperSupervoxels},
+    MethodInfo{Method::kGeometry, "geometry", 0.29, kPaperSupervoxels},
+    MethodInfo{Method::kLambda, "lambda", 0.18, kPaperSupervoxels},
+    MethodInfo{Method::kLambdaConvex, "lambda-convex", 0.15, kPaperSupervoxels},
+    MethodInfo{Method::kEqualization, "equalization", 0.94, kPaperSupervoxels},
+    MethodInfo{Method::kEqualizationConvex, "equalization-convex", 0.94, kPaperSupervoxels},
+    MethodInfo{Method::kFixedLambda, "fixed-lambda", 0.18, kPaperSupervoxels},
+};
+
+const MethodInfo& info(Method method) { return kMethods[static_cast<std::size_t>(method)]; }
+bool is_method(Method method) { return static_cast<std::size_t>(method) < kMethods.size(); }
+
+/// An option that is a double or an optional double.
+template <auto member>
+constexpr OptionInfo number(std::string_view name, std::string_view unit, std::string_view description, double minimum,
+                            double maximum) {
+  return {name,
+          unit,
+          description,
+          minimum,
+          maximum,
+          false,
+          [](const Options& o) { return std::optional<double>(o.*member); },
+          [](Options& o, double value) { o.*member = value; }};
+}
+
+/// An option that is a whole number, or an optional one.
+template <auto member>
+constexpr OptionInfo whole(std::string_view name, std::string_view description, double minimum, double maximum) {
+  return {name,
+          "",
+          description,
+          minimum,
+          maximum,
+          true,
+          [](const Options& o) {
+            const std::optional<std::uint32_t> value = o.*member;
+            return value ? std::optional<double>(*value) : std::nullopt;
+          },
+          [](Options& o, double value) { o.*member = static_cast<std::uint32_t>(value); }};
+}
+
+constexpr double kFarthest = 100'000;
+
+constexpr std::array kTable = {
+    number<&Options::voxel_resolution>("voxel_resolution", "m", "edge of a voxel; in a CAMERA view at 1 m distance",
+                                       0.001, 1),
+    number<&Options::seed_resolution>(
+        "seed_resolution", "m", "distance between the seeds of supervoxels; not below voxel_resolution", 0.002, 10),
+    number<&Options::color_weight>("color_weight", "", "weight of colour in the supervoxel distance", 0, 100),
+    number<&Options::spatial_weight>("spatial_weight", "", "weight of position in the supervoxel distance", 0, 100),
+    number<&Options::normal_weight>("normal_weight", "", "weight of the normals in the supervoxel distance", 0, 100),
+    number<&Options::lambda>("lambda", "", "weight of colour against geometry, for fixed-lambda", 0, 1),
+    number<&Options::threshold>("threshold", "", "cut the merge tree where the dissimilarity reaches this", 0, 1),
+    whole<&Options::regions>("regions", "cut the merge tree at this number of regions instead of a threshold", 1,
+                             2147483647),
+    whole<&Options::min_segment_points>(
+        "min_segment_points", "segments of fewer points join the neighbour they are least unlike", 0, 2147483647),
+    number<&Options::crop_min_x>("crop_min_x", "m", "leave out points with a smaller x", -kFarthest, kFarthest),
+    number<&Options::crop_max_x>("crop_max_x", "m", "leave out points with a greater x", -kFarthest, kFarthest),
+    number<&Options::crop_min_y>("crop_min_y", "m", "leave out points with a smaller y", -kFarthest, kFarthest),
+    number<&Options::crop_max_y>("crop_max_y", "m", "leave out points with a greater y", -kFarthest, kFarthest),
+    number<&Options::crop_min_z>("crop_min_z", "m", "leave out points with a smaller z", -kFarthest, kFarthest),
+    number<&Options::crop_max_z>("crop_max_z", "m", "leave out points with a greater z", -kFarthest, kFarthest),
+    number<&Options::range_min>("range_min", "m", "leave out points nearer to the sensor", 0, kFarthest),
+    number<&Options::range_max>("range_max", "m", "leave out points farther from the sensor", 0, kFarthest),
+    number<&Options::support_plane_distance>(
+        "support_plane_distance", "m",
+        "remove the plane that supports the objects, with what is this near to it; in a CAMERA view at 1 m distance",
+        0.001, 0.5),
+    whole<&Options::threads>("threads", "threads within one call; the result does not depend on it", 1, 64),
+};
+
+/// A maximum that is not above its minimum, if both are given.
+void check_interval(std::string_view minimum_name, const std::optional<double>& minimum, std::string_view maximum_name,
+                    const std::optional<double>& maximum, std::vector<FieldViolation>& faults) {
+  if (!minimum || !maximum || *minimum < *maximum) return;
+  faults.push_back(
+      {std::string(maximum_name), fmt::format("{} m is not above {}, {} m", *maximum, minimum_name, *minimum)});
+}
+
+absl::Status as_status(const std::vector<FieldViolation>& faults) {
+  if (faults.empty()) return absl::OkStatus();
+  std::string message;
+  for (const FieldViolation& fault : faults) {
+    fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ", fault.field,
+                   fault.description);
+  }
+  return absl::InvalidArgumentError(message);
+}
+
+}  // namespace
+
+std::string_view name(Method method) { return info(method).name; }
+
+std::optional<Method> method_from_name(std::string_view name) {
+  const auto* found = std::ranges::find(kMethods, name, &MethodInfo::name);
+  return found == kMethods.end() ? std::nullopt : std::optional(found->method);
+}
+
+std::span<const Method> all_methods() {
+  static constexpr auto kAll = [] {
+    std::array<Method, kMethods.size()> all{};
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = kMethods[i].method;
+    return all;
+  }();
+  return kAll;
+}
+
+double default_threshold(Method method) { return info(method).threshold; }
+
+Options resolved(Options options) {
+  const auto& [method, name, threshold, supervoxels] = info(options.method);
+  const auto fill = [](std::optional<double>& value, double otherwise) { value = value.value_or(otherwise); };
+  fill(options.voxel_resolution, supervoxels.voxel_resolution);
+  fill(options.seed_resolution, supervoxels.seed_resolution);
+  fill(options.color_weight, supervoxels.color_weight);
+  fill(options.spatial_weight, supervoxels.spatial_weight);
+  fill(options.normal_weight, supervoxels.normal_weight);
+  if (!options.regions) fill(options.threshold, threshold);
+  return options;
+}
+
+SupervoxelOptions supervoxel_options(const Options& options) {
+  const Options o = resolved(options);
+  return {*o.voxel_resolution, *o.seed_resolution, *o.color_weight, *o.spatial_weight, *o.normal_weight};
+}
+
+std::span<const OptionInfo> option_table() { return kTable; }
+
+std::optional<double> default_value(const OptionInfo& option, Method method) {
+  return option.get(resolved({.method = method}));
+}
+
+std::optional<FieldViolation> violation(const OptionInfo& option, double value) {
+  const bool in_range = value >= option.minimum && value <= option.maximum;  // a NaN is in no range
+  if (in_range && (!option.whole || value == static_cast<double>(static_cast<std::int64_t>(value))))
+    return std::nullopt;
+  return FieldViolation{std::string(option.name),
+                        fmt::format("{} is not {}in [{}, {}]{}{}", value, option.whole ? "a whole number " : "",
+                                    option.minimum, option.maximum, option.unit.empty() ? "" : " ", option.unit)};
+}
+
+std::vector<FieldViolation> violations(const Options& options) {
+  if (!is_method(options.method)) {
+    return {{"method", fmt::format("{} is no method", static_cast<int>(options.method))}};
+  }
+  std::vector<FieldViolation> faults;
+  for (const OptionInfo& option : kTable) {
+    const std::optional<double> value = option.get(options);
+    if (!value) continue;
+    if (auto fault = violation(option, *value)) faults.push_back(*std::move(fault));
+  }
+  const SupervoxelOptions s = supervoxel_options(options);
+  if (s.seed_resolution < s.voxel_resolution) {
+    faults.push_back({"seed_resolution",
+                      fmt::format("{} m is below voxel_resolution, {} m", s.seed_resolution, s.voxel_resolution)});
+  }
+  if (s.color_weight == 0 && s.spatial_weight == 0 && s.normal_weight == 0) {
+    faults.push_back({"color_weight", "color_weight, spatial_weight and normal_weight are all 0"});
+  }
+  if (options.threshold && options.regions) {
+    faults.push_back({"regions", "threshold and regions exclude each other"});
+  }
+  check_interval("crop_min_x", options.crop_min_x, "crop_max_x", options.crop_max_x, faults);
+  check_interval("crop_min_y", options.crop_min_y, "crop_max_y", options.crop_max_y, faults);
+  check_interval("crop_min_z", options.crop_min_z, "crop_max_z", options.crop_max_z, faults);
+  check_interval("range_min", options.range_min, "range_max", options.range_max, faults);
+  return faults;
+}
+
+std::vector<FieldViolation> violations(const Options& options, const View& view) {
+  std::vector<FieldViolation> faults;
+  if (view.has_sensor()) return faults;
+  const auto need_sensor = [&faults](std::string_view name, const std::optional<double>& value) {
+    if (value)
+      faults.push_back({std::string(name), "the cloud has a WORLD view that does not say where its sensor is"});
+  };
+  need_sensor("range_min", options.range_min);
+  need_sensor("range_max", options.range_max);
+  return faults;
+}
+
+absl::Status check(const Options& options) { return as_status(violations(options)); }
+
+absl::Status check(const Options& options, const View& view) {
+  std::vector<FieldViolation> faults = violations(options);
+  std::ranges::move(violations(options, view), std::back_inserter(faults));
+  return as_status(faults);
+}
+
+}  // namespace segserve

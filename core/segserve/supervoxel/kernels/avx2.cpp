@@ -1,3 +1,0 @@
-// The kernels for x86-64 with AVX2; CMake compiles this file with -mavx2.
-#define SEGSERVE_KERNELS avx2_kernels
-#include "segserve/supervoxel/kernels/table.hpp"

@@ -1,0 +1,196 @@
+#include "core/support_plane/support_plane_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/base/stop_check.hpp"
+#include "core/lab/base/random.hpp"
+#include "core/math/symmetric_matrix3.hpp"
+
+namespace segserve {
+namespace {
+
+constexpr double kSmallestShare = 0.1;  // of all voxels
+constexpr double kUp = 0.8660254;       // cosine of 30 degrees
+constexpr double kUpright = 0.17;     // sine of 10 degrees, by which a camera may look up and take no wall for a table
+constexpr double kRoll = 0.5;         // sine of 30 degrees
+constexpr double kAgree = 0.8660254;  // cosine of 30 degrees between the normals of a voxel and its plane
+constexpr double kFringe = 0.5;       // of the distance
+constexpr int kFringeSteps = 2;       // a normal is fitted to two rings of neighbours
+constexpr std::uint32_t kSamples = 2048;
+constexpr std::uint32_t kGuesses = 64;
+constexpr int kRefinedGuesses = 8;
+// How thick the plane is in one fit after the other, in distances. A voxel's normal is off by degrees: the first
+// fits look farther.
+constexpr double kWidening[] = {4, 2, 1, 1};
+
+struct Plane {
+  Vec3 normal;
+  double offset = 0;
+};
+
+class SupportPlaneFinder {
+ public:
+  SupportPlaneFinder(const VoxelGrid& grid, const std::vector<Vec3>& normals, const View& view, double distance,
+                     StopCheck& check)
+      : grid_(grid), normals_(normals), view_(view), distance_(distance), check_(check), all_(grid.size()) {
+    check_.for_each(0, all_.size(), [this](std::size_t v) { all_[v] = static_cast<std::uint32_t>(v); });
+    Random random(1);
+    for (std::uint32_t i = 0; i < kSamples; ++i)
+      samples_.push_back(random.below(static_cast<std::uint32_t>(all_.size())));
+  }
+
+  /// The plane of most voxels, however few.
+  std::optional<Plane> find() const {
+    std::vector<Guess> guesses = guess();
+    std::optional<Plane> best;
+    std::size_t highest_rank = 0;
+    for (int turn = 0; turn < kRefinedGuesses && !guesses.empty() && !check_.after(guesses.size()); ++turn) {
+      const std::uint32_t origin = std::ranges::max_element(guesses, {}, &Guess::rank)->voxel;
+      const std::optional<Plane> plane = fit(plane_at(origin), samples_, kWidening);
+      if (const std::size_t rank = plane ? this->rank(*plane, 1) : 0; rank > highest_rank) {
+        highest_rank = rank;
+        best = plane;
+      }
+      std::erase_if(guesses, [&](const Guess& g) { return g.voxel == origin || (plane && holds(*plane, g.voxel, 1)); });
+    }
+    return best ? fit(*best, all_, std::span(kWidening).last(2)) : best;
+  }
+
+  /// Whether the voxel lies in the plane, which may be `widening` times as thick as asked for.
+  bool holds(const Plane& plane, std::uint32_t v, double widening) const {
+    return near(plane, v, widening) && agreement(plane.normal, normals_[v]) >= kAgree;
+  }
+
+  bool near(const Plane& plane, std::uint32_t v, double factor) const {
+    const double scale = view_.kind == ViewKind::kCamera ? grid_.centroid[v].z : 1;
+    return std::fabs(dot(plane.normal, grid_.centroid[v]) - plane.offset) <= factor * distance_ * scale;
+  }
+
+ private:
+  struct Guess {
+    std::uint32_t voxel;
+    std::size_t rank;
+  };
+
+  /// The planes of random voxels and their normals.
+  std::vector<Guess> guess() const {
+    std::vector<Guess> guesses;
+    for (std::uint32_t i = 0; i < kGuesses && !check_.stopped(); ++i) {
+      const std::uint32_t v = samples_[i];
+      const Plane plane = plane_at(v);
+      if (may_support(plane.normal)) guesses.push_back({v, rank(plane, kWidening[0])});
+    }
+    return guesses;
+  }
+
+  Plane plane_at(std::uint32_t v) const { return {upward(normals_[v]), dot(upward(normals_[v]), grid_.centroid[v])}; }
+
+  /// Without a sensor it is not known which side is the outer one.
+  Vec3 upward(const Vec3& normal) const { return !view_.has_sensor() && normal.z < 0 ? -normal : normal; }
+  double agreement(const Vec3& a, const Vec3& b) const { return view_.has_sensor() ? dot(a, b) : std::fabs(dot(a, b)); }
+  bool may_support(const Vec3& normal) const {
+    return view_.kind == ViewKind::kCamera ? normal != Vec3{} : normal.z >= kUp;
+  }
+
+  /// In a camera's frame, y down, unless it hangs over a table or lies on its side.
+  bool faces_up_before_upright_camera(const Vec3& normal) const {
+    return view_.kind == ViewKind::kCamera && normal.y <= -kUpright && std::fabs(normal.x) <= kRoll;
+  }
+
+  /// The number of samples in the plane, after what is preferred.
+  std::size_t rank(const Plane& plane, double widening) const {
+    if (check_.after(samples_.size())) return 0;
+    const auto held = static_cast<std::size_t>(
+        std::ranges::count_if(samples_, [&](std::uint32_t v) { return holds(plane, v, widening); }));
+    const bool preferred = faces_up_before_upright_camera(plane.normal) &&
+                           static_cast<double>(held) >= kSmallestShare * static_cast<double>(kSamples);
+    return preferred ? kSamples + held : held;
+  }
+
+  /// Fits the plane to those of the voxels that it holds, again and again.
+  std::optional<Plane> fit(Plane plane, std::span<const std::uint32_t> voxels,
+                           std::span<const double> widenings) const {
+    for (const double widening : widenings) {
+      double total = 0;
+      Vec3 sum;
+      Symmetric3 square;
+      const Vec3 origin = grid_.centroid[0];  // within the cloud, which keeps the moments exact
+      check_.for_each(0, voxels.size(), [&](std::size_t i) {
+        const std::uint32_t v = voxels[i];
+        if (!holds(plane, v, widening)) return;
+        const Vec3 p = grid_.centroid[v] - origin;
+        total += 1, sum += p, square += outer(p);
+      });
+      if (total < 3) return std::nullopt;
+      square += (-1 / total) * outer(sum);
+      const Vec3 normal = smallest_eigenvector(square);
+      if (normal == Vec3{}) return std::nullopt;
+      plane.normal = dot(normal, plane.normal) < 0 ? -normal : normal;
+      plane.offset = dot(plane.normal, origin + (1 / total) * sum);
+    }
+    return may_support(plane.normal) ? std::optional(plane) : std::nullopt;
+  }
+
+  const VoxelGrid& grid_;
+  const std::vector<Vec3>& normals_;
+  const View& view_;
+  double distance_;
+  StopCheck& check_;
+  std::vector<std::uint32_t> all_;      // V: 0, 1, ..
+  std::vector<std::uint32_t> samples_;  // kSamples of them
+};
+
+/// Adds the voxels beside members whose normals do not tell.
+void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const VoxelAdjacency& adjacency, StopCheck& check,
+                std::vector<bool>& member) {
+  std::vector<std::uint32_t> border;
+  check.for_each(0, member.size(), [&](std::size_t v) {
+    if (member[v]) border.push_back(static_cast<std::uint32_t>(v));
+  });
+  for (int step = 0; step < kFringeSteps; ++step) {
+    std::vector<std::uint32_t> added;
+    for (const std::uint32_t v : border) {
+      if (check.after(1 + adjacency.of(v).size())) return;
+      for (const std::uint32_t u : adjacency.of(v)) {
+        if (member[u] || !finder.near(plane, u, kFringe)) continue;
+        member[u] = true;
+        added.push_back(u);
+      }
+    }
+    border = std::move(added);
+  }
+}
+
+}  // namespace
+
+PlaneVoxels find_support_plane(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                               const View& view, double distance, const StopToken& stop) {
+  StopCheck check(stop);
+  PlaneVoxels result;
+  result.member.assign(grid.size(), false);
+  if (grid.size() == 0) return result;
+  const SupportPlaneFinder finder(grid, normals, view, distance, check);
+  const std::optional<Plane> plane = finder.find();
+  if (!plane) return result;
+  std::size_t members = 0;
+  check.for_each(0, grid.size(), [&](std::size_t v) {
+    result.member[v] = finder.holds(*plane, static_cast<std::uint32_t>(v), 1);
+    members += static_cast<std::size_t>(result.member[v]);
+  });
+  if (static_cast<double>(members) < kSmallestShare * static_cast<double>(grid.size())) {
+    result.member.assign(grid.size(), false);
+    return result;
+  }
+  result.plane = {.normal = plane->normal, .offset = plane->offset};
+  add_fringe(finder, *plane, adjacency, check, result.member);
+  check.for_each(0, grid.size(), [&](std::size_t v) {
+    if (result.member[v]) result.plane.points += grid.points[v];
+  });
+  return result;
+}
+
+}  // namespace segserve

@@ -1,0 +1,167 @@
+#include "core/voxels/component_bridging.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/radix_sort.hpp"
+#include "core/base/stop_check.hpp"
+
+namespace segserve {
+namespace {
+
+/// Connected components with their areas, named by their smallest voxel.
+class Components {
+ public:
+  explicit Components(std::vector<double> area) : parent_(area.size()), area_(std::move(area)) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+
+  std::uint32_t of(std::uint32_t v) {
+    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+    return v;
+  }
+  double area(std::uint32_t component) const { return area_[component]; }
+
+  /// Returns the component of both.
+  std::uint32_t unite(std::uint32_t u, std::uint32_t v) {
+    const auto [a, b] = std::minmax({of(u), of(v)});
+    if (a == b) return a;
+    parent_[b] = a;
+    area_[a] += area_[b];
+    return a;
+  }
+
+  /// Unites v with its neighbours before it. Most of those hang on its component's name already.
+  void unite(std::uint32_t v, std::span<const std::uint32_t> neighbors) {
+    std::uint32_t component = v;
+    for (const std::uint32_t u : neighbors) {
+      if (u > v) break;
+      if (parent_[u] != component) component = unite(u, component);
+    }
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<double> area_;
+};
+
+Components components_of(const VoxelGrid& grid, const View& view, double voxel_resolution,
+                         const VoxelAdjacency& adjacency, StopCheck& check) {
+  std::vector<double> area(grid.size());
+  check.for_each(0, area.size(), [&](std::size_t v) {
+    const double edge = voxel_edge(voxel_resolution, view, grid.centroid[v]);
+    area[v] = edge * edge;
+  });
+  Components components(std::move(area));
+  check.for_each(0, grid.size(), [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
+    components.unite(v, adjacency.of(v));
+    return 1 + adjacency.of(v).size();
+  });
+  return components;
+}
+
+struct Bridge {
+  std::uint32_t from, to;
+  auto operator<=>(const Bridge&) const = default;
+};
+
+/// Calls back for every voxel at most `reach` cells from v, ascending, v included.
+template <typename Callback>
+void for_block_around(const VoxelGrid& grid, std::uint32_t v, int reach, Callback&& callback) {
+  constexpr std::int64_t kRowStep = std::int64_t{1} << kCellBits;
+  auto row = grid.key.begin();
+  for (std::int64_t dz = -reach; dz <= reach; ++dz) {
+    for (std::int64_t dy = -reach; dy <= reach; ++dy) {
+      const VoxelKey first = grid.key[v] + static_cast<VoxelKey>((dz * kRowStep + dy) * kRowStep - reach);
+      row = std::lower_bound(row, grid.key.end(), first);
+      for (; row != grid.key.end() && *row <= first + 2 * static_cast<VoxelKey>(reach); ++row) {
+        callback(static_cast<std::uint32_t>(row - grid.key.begin()));
+      }
+    }
+  }
+}
+
+/// Both directions of each bridge; ascending and distinct.
+std::vector<Bridge> both_ways(const std::vector<Bridge>& bridges, StopCheck& check) {
+  std::vector<std::uint64_t> keys;
+  keys.reserve(2 * bridges.size());
+  check.for_each(0, bridges.size(), [&](std::size_t i) {
+    const auto [from, to] = bridges[i];
+    keys.push_back(std::uint64_t{from} << 32U | to);
+    keys.push_back(std::uint64_t{to} << 32U | from);
+  });
+  std::vector<std::uint32_t> order;
+  math::sort_order(keys, order, check);
+  std::vector<Bridge> result;
+  result.reserve(keys.size());
+  check.for_each(0, keys.size(), [&](std::size_t i) {
+    const std::uint64_t key = keys[order[i]];
+    const Bridge bridge{static_cast<std::uint32_t>(key >> 32U), static_cast<std::uint32_t>(key)};
+    if (result.empty() || bridge != result.back()) result.push_back(bridge);
+  });
+  return result;
+}
+
+/// Both ends of each bridge become neighbours of one another.
+void add_bridges(const std::vector<Bridge>& one_way, StopCheck& check, VoxelAdjacency& adjacency) {
+  const std::vector<Bridge> bridges = both_ways(one_way, check);
+  VoxelAdjacency result;
+  result.offset.reserve(adjacency.offset.size());
+  result.neighbor.reserve(adjacency.neighbor.size() + bridges.size());
+  result.offset.push_back(0);
+  auto bridge = bridges.begin();
+  check.for_each(0, adjacency.offset.size() - 1, [&](std::size_t i) {
+    const auto v = static_cast<std::uint32_t>(i);
+    const auto old = adjacency.of(v);
+    const auto middle = result.neighbor.insert(result.neighbor.end(), old.begin(), old.end()) - result.neighbor.begin();
+    const auto grown = static_cast<std::ptrdiff_t>(result.neighbor.size());
+    for (; bridge != bridges.end() && bridge->from == v; ++bridge) result.neighbor.push_back(bridge->to);
+    const auto begin = result.neighbor.begin();
+    std::inplace_merge(begin + middle, begin + grown, result.neighbor.end());
+    result.offset.push_back(static_cast<std::uint32_t>(result.neighbor.size()));
+    return result.offset[i + 1] - result.offset[i] + std::uint64_t{1};
+  });
+  adjacency = std::move(result);
+}
+
+}  // namespace
+
+absl::Status bridge_islands(const VoxelGrid& grid, const View& view, double voxel_resolution,
+                            const IslandOptions& options, const StopToken& stop, VoxelAdjacency& adjacency) {
+  StopCheck check(stop);
+  Components components = components_of(grid, view, voxel_resolution, adjacency, check);
+  const auto is_island = [&](std::uint32_t component) { return components.area(component) < options.area; };
+  std::vector<std::uint32_t> on_islands(grid.size());
+  std::iota(on_islands.begin(), on_islands.end(), 0U);
+  std::vector<Bridge> bridges;
+  for (int reach = 2; reach <= options.reach; ++reach) {
+    std::size_t left = 0;
+    check.for_each(0, on_islands.size(), [&](std::size_t i) {
+      if (is_island(components.of(on_islands[i]))) on_islands[left++] = on_islands[i];
+    });
+    on_islands.resize(left);
+    const std::size_t first = bridges.size();
+    check.for_each(0, on_islands.size(), [&](std::size_t i) {
+      const auto width = static_cast<std::uint64_t>(2 * reach) + 1;
+      std::uint64_t visits = width * width;  // rows
+      const std::uint32_t v = on_islands[i], home = components.of(v);
+      for_block_around(grid, v, reach, [&](std::uint32_t u) {
+        ++visits;
+        const std::uint32_t other = components.of(u);
+        // Of two islands, each finds the other.
+        if (other != home && (u > v || !is_island(other))) bridges.push_back({v, u});
+      });
+      return visits;
+    });
+    // Only now, so that what a voxel finds does not depend on its turn.
+    check.for_each(first, bridges.size(), [&](std::size_t i) { components.unite(bridges[i].from, bridges[i].to); });
+  }
+  if (!bridges.empty() && !check.stopped()) add_bridges(bridges, check, adjacency);
+  return stop.check();
+}
+
+}  // namespace segserve

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/voxels/simd/voxel_kernels.hpp"
+#include "segserve/cloud.hpp"
+#include "segserve/options.hpp"
+
+namespace segserve {
+
+/// Which points are segmented at all: those in the crop box and in range of the sensor, both closed. Loops over
+/// points (the kernel find_cells) compare in single precision, twice as fast as in double: the box is exact all the
+/// same, as its limits are rounded inwards; distances have the error of a float.
+class Selection {
+ public:
+  /// Selects every point.
+  Selection() = default;
+
+  /// As the options say; they must be valid in this view.
+  Selection(const Options& options, const View& view)
+      : limits_{.low = {not_below(options.crop_min_x), not_below(options.crop_min_y), not_below(options.crop_min_z)},
+                .high = {not_above(options.crop_max_x), not_above(options.crop_max_y), not_above(options.crop_max_z)},
+                .sensor = {},
+                .nearest_squared = squared(options.range_min.value_or(0)),
+                .farthest_squared = squared(options.range_max.value_or(kInfinity))} {
+    if (view.sensor) std::ranges::copy(*view.sensor, limits_.sensor);
+    for (const auto& limit : {options.crop_min_x, options.crop_min_y, options.crop_min_z, options.crop_max_x,
+                              options.crop_max_y, options.crop_max_z, options.range_min, options.range_max}) {
+      all_ = all_ && !limit;
+    }
+  }
+
+  bool all() const { return all_; }
+
+  const SelectionLimits& limits() const { return limits_; }
+
+ private:
+  static constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+  static float squared(double limit) { return static_cast<float>(limit * limit); }
+  /// The smallest float that is not below the limit, and the greatest that is not above.
+  static float not_below(std::optional<double> limit) {
+    const auto rounded = static_cast<float>(limit.value_or(-kInfinity));
+    return limit && rounded < *limit ? std::nextafter(rounded, kInfinity) : rounded;
+  }
+  static float not_above(std::optional<double> limit) {
+    const auto rounded = static_cast<float>(limit.value_or(kInfinity));
+    return limit && rounded > *limit ? std::nextafter(rounded, -kInfinity) : rounded;
+  }
+
+  bool all_ = true;
+  SelectionLimits limits_{};
+};
+
+}  // namespace segserve

@@ -1,0 +1,74 @@
+#include "core/voxels/range_voxelizer.hpp"
+
+#include "core/base/stop_check.hpp"
+
+namespace segserve {
+
+void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check) {
+  part_.table.clear();
+  part_.first_invalid = SIZE_MAX;
+  part_.finite_points = 0;
+  for (std::size_t first = begin; first < end; first += kChunk) {
+    const std::size_t count = std::min(kChunk, end - first);
+    if (check.after(count)) return;
+    if (!find_cells(first, count)) return;
+    if (!selection_.all()) count_finite(first, count);
+    find_slots(find_runs(first, count));
+    if (first + count > slot_of_point_.size()) slot_of_point_.resize(first + count);
+    std::copy_n(slots_.begin(), count, slot_of_point_.begin() + static_cast<std::ptrdiff_t>(first));
+  }
+}
+
+/// False: a point of the chunk has no cell.
+bool RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
+  const CellInput in{cloud_.x.data() + first,
+                     cloud_.y.data() + first,
+                     cloud_.z.data() + first,
+                     cloud_.view.kind == ViewKind::kCamera,
+                     mapping_.cells_per_metre,
+                     mapping_.units_per_metre,
+                     selection_.all() ? nullptr : &selection_.limits()};
+  const std::size_t valid = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
+  if (valid < count) part_.first_invalid = first + valid;
+  return valid == count;
+}
+
+void RangeVoxelizer::count_finite(std::size_t first, std::size_t count) {
+  for (std::size_t i = first; i < first + count; ++i) {
+    part_.finite_points += static_cast<std::size_t>(is_finite(cloud_.x[i], cloud_.y[i], cloud_.z[i]));
+  }
+}
+
+/// Neighbouring points mostly share a voxel: one look-up for each run of equal keys. Returns the number of runs.
+std::size_t RangeVoxelizer::find_runs(std::size_t first, std::size_t count) {
+  const std::uint32_t* const rgb = cloud_.has_color() ? cloud_.rgb.data() + first : nullptr;
+  return kernels_.find_runs({keys_.data(), x_.data(), y_.data(), z_.data(), rgb}, count,
+                            {run_begin_.data(), sums_.data()});
+}
+
+void RangeVoxelizer::find_slots(std::size_t runs) {
+  VoxelTable::Lookups lookups(part_.table, runs);
+  for (std::size_t run = 0; run < runs; ++run) {
+    hash_[run] = VoxelTable::hash(keys_[run_begin_[run]]);
+    lookups.prefetch(hash_[run]);
+  }
+  for (std::size_t run = 0; run < runs; ++run) cells_[run] = lookups.find_cell(keys_[run_begin_[run]], hash_[run]);
+  for (std::size_t run = 0; run < runs; ++run) {
+    const VoxelKey key = keys_[run_begin_[run]];
+    slot_of_run_[run] = key == kNoKey ? 0 : lookups.find_or_insert(key, cells_[run]);
+  }
+  std::size_t finite = 0;
+  for (std::size_t run = 0; run < runs; ++run) {
+    const std::size_t begin = run_begin_[run], end = run_begin_[run + 1];
+    const std::uint32_t slot = slot_of_run_[run];
+    if (slot != 0) {
+      part_.table.voxel(slot).add(sums_[run], sums_[run + 1], end - begin);
+      finite += end - begin;
+    }
+    // Eight at once, whether the run is as long or not: the next one overwrites the rest.
+    for (std::size_t i = begin; i < end; i += kRoom) std::fill_n(&slots_[i], kRoom, slot);
+  }
+  if (selection_.all()) part_.finite_points += finite;
+}
+
+}  // namespace segserve

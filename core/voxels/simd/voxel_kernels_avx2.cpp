@@ -1,0 +1,3 @@
+// The kernels for x86-64 with AVX2; CMake compiles this file with -mavx2.
+#define SEGSERVE_KERNELS avx2_kernels
+#include "core/voxels/simd/voxel_kernel_table.hpp"

@@ -1,0 +1,134 @@
+#include "proto/wire/cloud_message.hpp"
+
+#include <cmath>
+
+#include "fmt/format.h"
+#include "proto/wire/codec_message.hpp"
+#include "proto/wire/payload/payload_codecs.hpp"
+#include "proto/wire/status_message.hpp"
+
+namespace segserve::wire {
+v1::View to_message(const View& view) {
+  v1::View message;
+  message.set_kind(view.kind == ViewKind::kCamera ? v1::VIEW_KIND_CAMERA : v1::VIEW_KIND_WORLD);
+  if (view.sensor) {
+    message.mutable_sensor()->set_x((*view.sensor)[0]);
+    message.mutable_sensor()->set_y((*view.sensor)[1]);
+    message.mutable_sensor()->set_z((*view.sensor)[2]);
+  }
+  return message;
+}
+
+std::optional<View> from_message(const v1::View& message, std::vector<FieldViolation>& faults) {
+  const v1::Position& sensor = message.sensor();
+  switch (message.kind()) {
+    case v1::VIEW_KIND_UNSPECIFIED:
+      if (message.has_sensor()) faults.push_back({"cloud.view.kind", "missing, though cloud.view.sensor is given"});
+      return std::nullopt;
+    case v1::VIEW_KIND_CAMERA:
+      if (message.has_sensor()) {
+        faults.push_back({"cloud.view.sensor", "given, but a CAMERA view has its sensor at the origin"});
+      }
+      return View::camera();
+    case v1::VIEW_KIND_WORLD:
+      if (!message.has_sensor()) return View::world();
+      if (!std::isfinite(sensor.x()) || !std::isfinite(sensor.y()) || !std::isfinite(sensor.z())) {
+        faults.push_back(
+            {"cloud.view.sensor", fmt::format("({}, {}, {}) is not finite", sensor.x(), sensor.y(), sensor.z())});
+      }
+      return View::world(sensor.x(), sensor.y(), sensor.z());
+    default:
+      faults.push_back({"cloud.view.kind", fmt::format("{} is no kind of view", static_cast<int>(message.kind()))});
+      return std::nullopt;
+  }
+}
+
+namespace {
+
+/// Of the fields around a payload.
+struct Needs {
+  const char* name;  ///< of the payload, for people
+  bool shape;
+  bool view;
+};
+
+std::optional<Needs> needs_of(v1::Cloud::PayloadCase payload) {
+  switch (payload) {
+    case v1::Cloud::kPlanar:
+      return Needs{"a planar cloud", true, true};
+    case v1::Cloud::kStrided:
+      return Needs{"a strided cloud", true, true};
+    case v1::Cloud::kQuantised:
+      return Needs{"a quantised cloud", false, true};
+    case v1::Cloud::kDraco:
+      return Needs{"a Draco cloud", true, true};
+    case v1::Cloud::kPcdFile:
+    case v1::Cloud::kRgbd:
+      return Needs{"", false, false};
+    case v1::Cloud::PAYLOAD_NOT_SET:
+      break;
+  }
+  return std::nullopt;
+}
+
+void check_error_bound(const v1::Cloud& message, std::vector<FieldViolation>& faults) {
+  const double bound = message.error_bound();
+  if (!std::isfinite(bound) || bound < 0) {
+    faults.push_back({"cloud.error_bound", fmt::format("{} is not a finite number of metres", bound)});
+  } else if (message.has_quantised() && bound == 0) {
+    faults.push_back({"cloud.error_bound", "missing: a quantised cloud declares it"});
+  }
+}
+
+}  // namespace
+
+std::vector<FieldViolation> violations(const v1::Cloud& message) {
+  std::vector<FieldViolation> faults;
+  const std::optional<View> view = from_message(message.view(), faults);
+  const std::optional<Needs> needs = needs_of(message.payload_case());
+  if (!needs) {
+    faults.push_back({"cloud.payload", "missing or of a kind that this server does not know"});
+    return faults;
+  }
+  if (needs->view && !view && faults.empty()) {
+    faults.push_back({"cloud.view", fmt::format("missing: {} needs VIEW_KIND_CAMERA or VIEW_KIND_WORLD", needs->name)});
+  }
+  if (message.has_rgbd() && view && *view != View::camera()) {
+    faults.push_back({"cloud.view.kind", "RGB-D images are VIEW_KIND_CAMERA"});
+  }
+  if (needs->shape && message.width() == 0) {
+    faults.push_back({"cloud.width", fmt::format("0: {} needs at least one point", needs->name)});
+  }
+  if (needs->shape && message.height() == 0) {
+    faults.push_back({"cloud.height", fmt::format("0: {} needs at least one row", needs->name)});
+  }
+  check_error_bound(message, faults);
+  return faults;
+}
+
+absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
+                                          const StopToken& stop) {
+  if (const absl::Status status = invalid_fields(violations(message)); !status.ok()) return status;
+  if (const absl::Status status = check_kind(message, limits); !status.ok()) return status;
+  std::vector<FieldViolation> faults;  // none: see above
+  const std::optional<View> view = from_message(message.view(), faults);
+  switch (message.payload_case()) {
+    case v1::Cloud::kPlanar:
+      return decode_planar(message, view, limits, stop);
+    case v1::Cloud::kPcdFile:
+      return decode_pcd_file(message, view, limits, stop);
+    case v1::Cloud::kStrided:
+      return decode_strided(message, view, limits, stop);
+    case v1::Cloud::kQuantised:
+      return decode_quantised(message, view, limits, stop);
+    case v1::Cloud::kRgbd:
+      return decode_rgbd(message, view, limits, stop);
+    case v1::Cloud::kDraco:
+      return decode_draco(message, view, limits, stop);
+    case v1::Cloud::PAYLOAD_NOT_SET:
+      break;  // violations has refused it
+  }
+  return absl::InternalError("a payload of no kind");
+}
+
+}  // namespace segserve::wire

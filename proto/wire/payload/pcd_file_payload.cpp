@@ -1,0 +1,31 @@
+#include <span>
+#include <string>
+#include <utility>
+
+#include "proto/wire/block_message.hpp"
+#include "proto/wire/payload/payload_codecs.hpp"
+#include "proto/wire/payload/payload_support.hpp"
+#include "segserve/codec/pcd.hpp"
+
+namespace segserve::wire {
+
+absl::StatusOr<DecodedCloud> decode_pcd_file(const v1::Cloud& message, const std::optional<View>& view,
+                                             const codec::DecodeLimits& limits, const StopToken& stop) {
+  std::string buffer;
+  const auto bytes = block_bytes_up_to(message.pcd_file().file(), limits.max_bytes, "cloud.pcd_file.file", buffer);
+  if (!bytes.ok()) return bytes.status();
+  absl::StatusOr<codec::LabelledCloud> decoded =
+      codec::decode_pcd(std::as_bytes(std::span(*bytes)), limits, view, stop);
+  if (!decoded.ok()) return decode_error(decoded.status());
+  if (absl::Status status = check_shape_agrees(message, decoded->cloud, "the PCD file"); !status.ok()) return status;
+  return DecodedCloud{std::move(decoded->cloud), std::move(decoded->view_rule)};
+}
+
+v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view) {
+  v1::Cloud message;
+  if (view) *message.mutable_view() = to_message(*view);
+  *message.mutable_pcd_file()->mutable_file() = to_raw_block(std::move(file_bytes));
+  return message;
+}
+
+}  // namespace segserve::wire

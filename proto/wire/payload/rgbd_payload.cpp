@@ -1,0 +1,58 @@
+#include <string>
+#include <utility>
+
+#include "core/codec/rgbd/png_image.hpp"
+#include "proto/wire/block_message.hpp"
+#include "proto/wire/payload/payload_codecs.hpp"
+#include "proto/wire/payload/payload_support.hpp"
+#include "segserve/codec/rgbd.hpp"
+#include "segserve/codec/rgbd_encode.hpp"
+
+namespace segserve::wire {
+
+absl::StatusOr<DecodedCloud> decode_rgbd(const v1::Cloud& message, const std::optional<View>& /*view*/,
+                                         const codec::DecodeLimits& limits, const StopToken& stop) {
+  const v1::RgbdImages& rgbd = message.rgbd();
+  std::string depth_buffer;
+  std::string color_buffer;
+  const auto depth = block_bytes_up_to(rgbd.depth(), limits.max_bytes, "cloud.rgbd.depth", depth_buffer);
+  if (!depth.ok()) return depth.status();
+  const auto color = block_bytes_up_to(rgbd.color(), limits.max_bytes, "cloud.rgbd.color", color_buffer);
+  if (!color.ok()) return color.status();
+  absl::StatusOr<Cloud> cloud =
+      codec::decode_rgbd({.depth = *depth,
+                          .color = *color,
+                          .depth_scale = rgbd.depth_scale(),
+                          .intrinsics = {.fx = rgbd.fx(), .fy = rgbd.fy(), .cx = rgbd.cx(), .cy = rgbd.cy()}},
+                         limits, stop);
+  if (!cloud.ok()) return decode_error(cloud.status());
+  if (absl::Status status = check_shape_agrees(message, *cloud, "the depth image"); !status.ok()) return status;
+  return DecodedCloud{*std::move(cloud), "CAMERA, as RGB-D images are"};
+}
+
+v1::Cloud to_rgbd_message(codec::RgbdFiles images) {
+  v1::Cloud message;
+  if (const auto size = codec::png_size(images.depth); size.ok()) {
+    message.set_width(size->width);
+    message.set_height(size->height);
+  }
+  *message.mutable_view() = to_message(View::camera());
+  message.set_error_bound(images.error_bound);
+  v1::RgbdImages& rgbd = *message.mutable_rgbd();
+  *rgbd.mutable_depth() = to_raw_block(std::move(images.depth));
+  if (!images.color.empty()) *rgbd.mutable_color() = to_raw_block(std::move(images.color));
+  rgbd.set_depth_scale(images.depth_scale);
+  rgbd.set_fx(images.intrinsics.fx);
+  rgbd.set_fy(images.intrinsics.fy);
+  rgbd.set_cx(images.intrinsics.cx);
+  rgbd.set_cy(images.intrinsics.cy);
+  return message;
+}
+
+absl::StatusOr<v1::Cloud> to_rgbd_message(const CloudView& cloud, int jpeg_quality) {
+  absl::StatusOr<codec::RgbdFiles> images = codec::encode_rgbd(cloud, {.jpeg_quality = jpeg_quality});
+  if (!images.ok()) return images.status();
+  return to_rgbd_message(*std::move(images));
+}
+
+}  // namespace segserve::wire

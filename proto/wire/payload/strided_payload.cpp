@@ -1,0 +1,62 @@
+#include <string>
+#include <utility>
+
+#include "proto/wire/block_message.hpp"
+#include "proto/wire/payload/payload_codecs.hpp"
+#include "proto/wire/payload/payload_support.hpp"
+#include "segserve/codec/strided.hpp"
+
+namespace segserve::wire {
+namespace {
+
+codec::StridedLayout layout_of(const v1::Cloud& message) {
+  const v1::StridedCloud& strided = message.strided();
+  codec::StridedLayout layout;
+  layout.width = message.width();
+  layout.height = message.height();
+  for (const v1::PointField& field : strided.fields()) {
+    // Types beyond a byte do not exist; 0 does not either.
+    const int type = field.datatype();
+    const auto datatype = static_cast<codec::PointDatatype>(type > 0 && type < 256 ? type : 0);
+    layout.fields.push_back({field.name(), field.offset(), datatype, field.count()});
+  }
+  layout.point_step = strided.point_step();
+  layout.row_step = strided.row_step();
+  layout.is_bigendian = strided.is_bigendian();
+  return layout;
+}
+
+}  // namespace
+
+absl::StatusOr<DecodedCloud> decode_strided(const v1::Cloud& message, const std::optional<View>& view,
+                                            const codec::DecodeLimits& limits, const StopToken& stop) {
+  const codec::StridedLayout layout = layout_of(message);
+  if (const absl::Status status = codec::check_layout(layout, limits); !status.ok()) return decode_error(status);
+  std::string buffer;
+  const auto data = block_bytes(message.strided().data(), layout.bytes(), "cloud.strided.data", buffer);
+  if (!data.ok()) return data.status();
+  absl::StatusOr<Cloud> cloud = codec::decode_strided(layout, *data, *view, limits, stop);
+  if (!cloud.ok()) return decode_error(cloud.status());
+  return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
+}
+
+absl::StatusOr<v1::Cloud> to_strided_message(const CloudView& cloud, v1::Compression compression) {
+  codec::StridedCloud encoded = codec::encode_strided(cloud);
+  v1::Cloud message = message_around(cloud);
+  v1::StridedCloud& strided = *message.mutable_strided();
+  for (const codec::PointField& field : encoded.layout.fields) {
+    v1::PointField& entry = *strided.add_fields();
+    entry.set_name(field.name);
+    entry.set_offset(field.offset);
+    entry.set_datatype(static_cast<v1::PointDatatype>(field.datatype));
+    entry.set_count(field.count);
+  }
+  strided.set_point_step(encoded.layout.point_step);
+  strided.set_row_step(encoded.layout.row_step);
+  absl::StatusOr<v1::Block> data = to_block(std::move(encoded.data), compression);
+  if (!data.ok()) return data.status();
+  *strided.mutable_data() = *std::move(data);
+  return message;
+}
+
+}  // namespace segserve::wire

@@ -1,0 +1,118 @@
+#include "proto/wire/request_message.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fmt/format.h"
+#include "proto/wire/cloud_message.hpp"
+#include "proto/wire/options_message.hpp"
+#include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/status_message.hpp"
+
+namespace segserve::wire {
+namespace {
+
+constexpr std::size_t kMaxIdBytes = 256;
+
+void check_id(const std::string& id, const char* field, std::vector<FieldViolation>& faults) {
+  if (id.size() > kMaxIdBytes) {
+    faults.push_back({field, fmt::format("has {} bytes, more than {}", id.size(), kMaxIdBytes)});
+  }
+}
+
+Outputs parse_outputs(const v1::Outputs& message) {
+  Outputs outputs{.labels = message.labels(),
+                  .supervoxels = message.supervoxels(),
+                  .tree = message.tree(),
+                  .segments = message.segments()};
+  for (const int accepted : message.accepted_compressions()) {
+    if (accepted == v1::COMPRESSION_ZSTD) outputs.compression = v1::COMPRESSION_ZSTD;
+  }
+  return outputs;
+}
+
+void check_cloud(bool has_cloud, const v1::Cloud& cloud, std::vector<FieldViolation>& faults) {
+  if (!has_cloud) {
+    faults.push_back({"cloud", "missing"});
+    return;
+  }
+  for (FieldViolation& fault : violations(cloud)) faults.push_back(std::move(fault));
+}
+
+/// That the bytes are not in the header, but announced.
+void check_announcement(const v1::FrameHeader& header, std::vector<FieldViolation>& faults) {
+  v1::Cloud cloud = header.cloud();
+  for (const std::string* data : payload_blocks(cloud)) {
+    if (!data->empty()) faults.push_back({"cloud", "holds bytes of the payload, which must come in chunks"});
+  }
+  if (const std::uint64_t sum = payload_bytes(header.cloud()); header.encoded_bytes() != sum) {
+    faults.push_back({"encoded_bytes",
+                      fmt::format("{} is not the sum of the blocks' encoded_bytes, {}", header.encoded_bytes(), sum)});
+  }
+}
+
+void check_duration(bool has_it, const google::protobuf::Duration& duration, const char* field,
+                    std::vector<FieldViolation>& faults) {
+  constexpr std::int64_t kYear = std::int64_t{365} * 24 * 60 * 60;
+  constexpr std::int32_t kSecond = 1'000'000'000;
+  if (!has_it) return;
+  if (duration.seconds() < 0 || duration.seconds() > kYear || duration.nanos() < 0 || duration.nanos() >= kSecond) {
+    faults.push_back(
+        {field, fmt::format("{} s and {} ns are not in [0 s, 1 year]", duration.seconds(), duration.nanos())});
+  }
+}
+
+}  // namespace
+
+v1::Outputs to_message(const Outputs& outputs) {
+  v1::Outputs message;
+  message.set_labels(outputs.labels);
+  message.set_supervoxels(outputs.supervoxels);
+  message.set_tree(outputs.tree);
+  message.set_segments(outputs.segments);
+  message.add_accepted_compressions(outputs.compression);
+  return message;
+}
+
+absl::StatusOr<ParsedRequest> parse_request(const v1::SegmentRequest& request, const Options& defaults) {
+  std::vector<FieldViolation> faults;
+  check_id(request.request_id(), "request_id", faults);
+  check_id(request.frame_id(), "frame_id", faults);
+  check_cloud(request.has_cloud(), request.cloud(), faults);
+  ParsedRequest parsed{from_message(request.options(), defaults, faults),
+                       request.has_outputs() ? parse_outputs(request.outputs()) : Outputs()};
+  if (!faults.empty()) return invalid_fields(faults);
+  return parsed;
+}
+
+absl::StatusOr<ParsedRequest> parse_open(const v1::StreamOpen& open, const Options& defaults) {
+  std::vector<FieldViolation> faults;
+  check_id(open.client_name(), "client_name", faults);
+  if (!v1::ResultOrder_IsValid(open.order())) faults.push_back({"order", fmt::format("{} is unknown", open.order())});
+  if (!v1::WhenBehind_IsValid(open.when_behind())) {
+    faults.push_back({"when_behind", fmt::format("{} is unknown", open.when_behind())});
+  }
+  ParsedRequest parsed{from_message(open.options(), defaults, faults),
+                       open.has_outputs() ? parse_outputs(open.outputs()) : Outputs()};
+  if (!faults.empty()) return invalid_fields(faults);
+  return parsed;
+}
+
+absl::StatusOr<ParsedRequest> parse_frame(const v1::FrameHeader& header, const ParsedRequest& stream,
+                                          const Options& defaults) {
+  std::vector<FieldViolation> faults;
+  check_id(header.request_id(), "request_id", faults);
+  check_id(header.frame_id(), "frame_id", faults);
+  check_cloud(header.has_cloud(), header.cloud(), faults);
+  check_announcement(header, faults);
+  check_duration(header.has_time_to_live(), header.time_to_live(), "time_to_live", faults);
+  check_duration(header.has_age(), header.age(), "age", faults);
+  ParsedRequest parsed = stream;
+  if (header.has_options()) parsed.options = from_message(header.options(), defaults, faults);
+  if (header.has_outputs()) parsed.outputs = parse_outputs(header.outputs());
+  if (!faults.empty()) return invalid_fields(faults);
+  return parsed;
+}
+
+}  // namespace segserve::wire

@@ -1,0 +1,194 @@
+#include "proto/wire/result_message.hpp"
+
+#include <utility>
+#include <vector>
+
+#include "fmt/format.h"
+#include "proto/wire/cloud_message.hpp"
+#include "proto/wire/integers_message.hpp"
+#include "proto/wire/options_message.hpp"
+#include "proto/wire/segment_message.hpp"
+#include "proto/wire/status_message.hpp"
+#include "proto/wire/tree_message.hpp"
+
+namespace segserve::wire {
+namespace {
+
+v1::SupportPlane plane_message(const SupportPlane& plane) {
+  v1::SupportPlane message;
+  message.set_points(plane.points);
+  message.set_normal_x(plane.normal.x);
+  message.set_normal_y(plane.normal.y);
+  message.set_normal_z(plane.normal.z);
+  message.set_offset(plane.offset);
+  return message;
+}
+
+SupportPlane read_plane(const v1::SupportPlane& message) {
+  return {.normal = {message.normal_x(), message.normal_y(), message.normal_z()},
+          .offset = message.offset(),
+          .points = message.points()};
+}
+
+void fill_summary(const Result& result, v1::ResultSummary& summary) {
+  const Segmentation& segmentation = result.segmentation;
+  summary.set_points(result.points);
+  summary.set_finite_points(segmentation.finite_points);
+  summary.set_segmented_points(segmentation.segmented_points);
+  if (segmentation.support_plane) *summary.mutable_support_plane() = plane_message(*segmentation.support_plane);
+  summary.set_voxels(segmentation.voxels);
+  summary.set_supervoxels(result.supervoxels);
+  summary.set_segments(segmentation.segments);
+  summary.set_method(to_message(result.method));
+  if (result.segmentation.threshold) summary.set_threshold(*result.segmentation.threshold);
+  if (result.regions) summary.set_regions(*result.regions);
+  summary.set_lambda(segmentation.lambda);
+  *summary.mutable_view() = to_message(result.view);
+  summary.set_view_rule(result.view_rule);
+  summary.set_server_version(result.server_version);
+  summary.set_options_hash(result.options_hash);
+
+  v1::Timings& timings = *summary.mutable_timings();
+  timings.set_queue_ms(result.timings.queue);
+  timings.set_decode_ms(result.timings.decode);
+  timings.set_voxels_ms(segmentation.timings.voxels);
+  timings.set_normals_ms(segmentation.timings.normals);
+  timings.set_supervoxels_ms(segmentation.timings.supervoxels);
+  timings.set_graph_ms(segmentation.timings.graph);
+  timings.set_merging_ms(segmentation.timings.merging);
+  timings.set_labels_ms(segmentation.timings.labels);
+  timings.set_segments_ms(segmentation.timings.segments);
+}
+
+void read_timings(const v1::Timings& from, CallTimings& call, StageTimings& stages) {
+  call = {from.queue_ms(), from.decode_ms(), from.encode_ms(), from.total_ms()};
+  stages.voxels = from.voxels_ms();
+  stages.normals = from.normals_ms();
+  stages.supervoxels = from.supervoxels_ms();
+  stages.graph = from.graph_ms();
+  stages.merging = from.merging_ms();
+  stages.labels = from.labels_ms();
+  stages.segments = from.segments_ms();
+  stages.total = stages.voxels + stages.normals + stages.supervoxels + stages.graph + stages.merging + stages.labels +
+                 stages.segments;
+}
+
+absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_t points) {
+  if (summary.points() != points) {
+    return malformed(fmt::format("the result is of {} points, but the cloud has {}", summary.points(), points));
+  }
+  if (summary.finite_points() > points || summary.segmented_points() > summary.finite_points() ||
+      summary.support_plane().points() > summary.finite_points() - summary.segmented_points() ||
+      summary.supervoxels() > summary.segmented_points() || summary.segments() > summary.supervoxels()) {
+    return malformed(
+        fmt::format("{} segments of {} supervoxels of {} segmented points and {} of a support plane, of "
+                    "{} finite points of {} points cannot be",
+                    summary.segments(), summary.supervoxels(), summary.segmented_points(),
+                    summary.support_plane().points(), summary.finite_points(), points));
+  }
+  std::vector<FieldViolation> faults;
+  const std::optional<View> view = from_message(summary.view(), faults);
+  if (!view || !faults.empty()) return malformed("the result does not say which view was used");
+  const std::optional<Method> method = from_message(summary.method());
+  if (!method) return malformed("the result does not say which method was used");
+
+  Result result;
+  result.segmentation.segments = summary.segments();
+  result.segmentation.finite_points = summary.finite_points();
+  result.segmentation.segmented_points = summary.segmented_points();
+  if (summary.has_support_plane()) result.segmentation.support_plane = read_plane(summary.support_plane());
+  result.segmentation.voxels = summary.voxels();
+  if (summary.has_threshold()) result.segmentation.threshold = summary.threshold();
+  result.segmentation.lambda = summary.lambda();
+  read_timings(summary.timings(), result.timings, result.segmentation.timings);
+  result.points = points;
+  result.supervoxels = summary.supervoxels();
+  result.method = *method;
+  if (summary.has_regions()) result.regions = summary.regions();
+  result.view = *view;
+  result.view_rule = summary.view_rule();
+  result.server_version = summary.server_version();
+  result.options_hash = summary.options_hash();
+  return result;
+}
+
+absl::Status read_labels(const v1::IntegerArray& message, std::size_t points, std::uint32_t maximum,
+                         std::string_view name, std::vector<std::uint32_t>& labels) {
+  absl::StatusOr<std::vector<std::uint32_t>> read = from_message(message, points, maximum, name);
+  if (!read.ok()) return read.status();
+  labels = *std::move(read);
+  return absl::OkStatus();
+}
+
+absl::Status read_segments(const v1::SegmentationResult& message, Segmentation& segmentation) {
+  auto read = from_message(message.segments(), segmentation.segments, segmentation.segmented_points);
+  if (!read.ok()) return read.status();
+  segmentation.statistics = *std::move(read);
+  return absl::OkStatus();
+}
+
+absl::Status read_tree(const v1::MergeTree& message, const Result& result, MergeTree& tree) {
+  absl::StatusOr<MergeTree> read = from_message(message, result.supervoxels, result.segmentation.segmented_points);
+  if (!read.ok()) return read.status();
+  tree = *std::move(read);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+Result make_result(Segmentation segmentation, const CloudView& cloud, const Options& options, std::string view_rule,
+                   std::string version) {
+  Result result;
+  result.points = cloud.size();
+  result.supervoxels = static_cast<std::uint32_t>(segmentation.tree.leaf_count());
+  result.method = options.method;
+  result.regions = options.regions;
+  result.view = cloud.view;
+  result.view_rule = std::move(view_rule);
+  result.server_version = std::move(version);
+  result.options_hash = options_hash(options);
+  result.segmentation = std::move(segmentation);
+  return result;
+}
+
+absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
+  v1::SegmentationResult message;
+  fill_summary(result, *message.mutable_summary());
+  const auto put = [&outputs](const auto& array, auto* field) {
+    auto made = to_message(array, outputs.compression);
+    if (!made.ok()) return made.status();
+    *field = *std::move(made);
+    return absl::OkStatus();
+  };
+  absl::Status status;
+  if (outputs.labels) status = put(result.segmentation.labels, message.mutable_labels());
+  if (outputs.supervoxels && status.ok()) status = put(result.segmentation.supervoxels, message.mutable_supervoxels());
+  if (outputs.tree && status.ok()) status = put(result.segmentation.tree, message.mutable_tree());
+  if (!status.ok()) return status;
+  if (outputs.segments) *message.mutable_segments() = to_message(result.segmentation.statistics);
+  return message;
+}
+
+void set_final_timings(v1::SegmentationResult& message, double encode_ms, double total_ms) {
+  message.mutable_summary()->mutable_timings()->set_encode_ms(encode_ms);
+  message.mutable_summary()->mutable_timings()->set_total_ms(total_ms);
+}
+
+absl::StatusOr<Result> from_message(const v1::SegmentationResult& message, std::size_t points) {
+  absl::StatusOr<Result> result = read_summary(message.summary(), points);
+  if (!result.ok()) return result;
+  Segmentation& segmentation = result->segmentation;
+  absl::Status status;
+  if (message.has_labels()) {
+    status = read_labels(message.labels(), points, segmentation.segments, "labels", segmentation.labels);
+  }
+  if (message.has_supervoxels() && status.ok()) {
+    status = read_labels(message.supervoxels(), points, result->supervoxels, "supervoxels", segmentation.supervoxels);
+  }
+  if (message.segments_size() > 0 && status.ok()) status = read_segments(message, segmentation);
+  if (message.has_tree() && status.ok()) status = read_tree(message.tree(), *result, segmentation.tree);
+  if (!status.ok()) return status;
+  return result;
+}
+
+}  // namespace segserve::wire

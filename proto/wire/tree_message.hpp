@@ -1,0 +1,17 @@
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "segserve/merge_tree.hpp"
+#include "segserve/v1/result.pb.h"
+
+namespace segserve::wire {
+
+absl::StatusOr<v1::MergeTree> to_message(const MergeTree& tree, v1::Compression compression);
+
+/// The tree of exactly `supervoxels` leaves, which together have `points` points; the caller has checked both against
+/// its limits. MALFORMED_PAYLOAD if the message holds anything else.
+absl::StatusOr<MergeTree> from_message(const v1::MergeTree& message, std::uint32_t supervoxels, std::uint64_t points);
+
+}  // namespace segserve::wire

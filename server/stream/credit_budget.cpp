@@ -1,0 +1,42 @@
+#include "server/stream/credit_budget.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace segserve::server {
+
+CreditBudget::Reservation& CreditBudget::Reservation::operator=(Reservation&& other) noexcept {
+  if (this != &other) {
+    release();
+    budget_ = std::exchange(other.budget_, nullptr);
+    credit_ = other.credit_;
+  }
+  return *this;
+}
+
+void CreditBudget::Reservation::release() {
+  if (!budget_) return;
+  const std::lock_guard lock(budget_->mutex_);
+  budget_->free_bytes_ += credit_.bytes;
+  budget_ = nullptr;
+}
+
+std::optional<CreditBudget::Reservation> CreditBudget::reserve(const Credit& wanted) {
+  Credit credit = limits_.of_a_stream;
+  if (wanted.frames > 0) credit.frames = std::min(credit.frames, wanted.frames);
+  credit.bytes = std::min(credit.bytes, wanted.bytes > 0 ? wanted.bytes : limits_.usual_bytes);
+
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t least = std::max<std::uint64_t>(1, credit.bytes / 16);
+  if (free_bytes_ < least) return std::nullopt;
+  credit.bytes = std::min(credit.bytes, free_bytes_);
+  free_bytes_ -= credit.bytes;
+  return Reservation(*this, credit);
+}
+
+std::uint64_t CreditBudget::free_bytes() const {
+  const std::lock_guard lock(mutex_);
+  return free_bytes_;
+}
+
+}  // namespace segserve::server

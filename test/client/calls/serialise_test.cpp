@@ -1,0 +1,59 @@
+#include "client/calls/serialise.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "test/client/stream/outgoing_message.hpp"
+
+namespace segserve::client {
+namespace {
+
+Outgoing chunk(std::uint64_t sequence, std::shared_ptr<std::string> bytes) {
+  Outgoing outgoing;
+  outgoing.message.mutable_chunk()->set_sequence(sequence);
+  outgoing.data = *bytes;
+  outgoing.owner = std::make_shared<const wire::ByteRun>(std::vector<std::string_view>{*bytes}, bytes);
+  return outgoing;
+}
+
+TEST(Serialise, AChunkIsWrittenAsProtobufWritesIt) {
+  for (const std::uint64_t sequence : {std::uint64_t{1}, std::uint64_t{127}, std::uint64_t{128}, ~std::uint64_t{0}}) {
+    for (const std::size_t size : {std::size_t{1}, std::size_t{127}, std::size_t{128}, std::size_t{256} << 10U}) {
+      const auto bytes = std::make_shared<std::string>(size, 'x');
+      bytes->back() = 'y';
+      const Outgoing outgoing = chunk(sequence, bytes);
+      v1::SegmentStreamRequest expected;
+      expected.mutable_chunk()->set_sequence(sequence);
+      expected.mutable_chunk()->set_data(*bytes);
+      EXPECT_EQ(wire_bytes(outgoing), expected.SerializeAsString()) << sequence << ", " << size;
+      EXPECT_EQ(byte_size(outgoing), expected.ByteSizeLong());
+    }
+  }
+}
+
+TEST(Serialise, OtherMessagesAreThemselves) {
+  Outgoing outgoing;
+  outgoing.message.mutable_frame()->set_frame_id("camera");
+  EXPECT_EQ(wire_bytes(outgoing), outgoing.message.SerializeAsString());
+  EXPECT_EQ(byte_size(outgoing), outgoing.message.ByteSizeLong());
+}
+
+TEST(Serialise, DataAreSharedUntilTheyAreSent) {
+  auto bytes = std::make_shared<std::string>(1000, 'x');
+  Outgoing outgoing = chunk(1, bytes);
+  grpc::ByteBuffer buffer = serialise(outgoing);
+  outgoing = {};
+  EXPECT_EQ(bytes.use_count(), 2) << "the buffer's";
+  {
+    std::vector<grpc::Slice> slices;
+    ASSERT_TRUE(buffer.Dump(&slices).ok());
+    EXPECT_EQ(static_cast<const void*>(slices.back().begin()), static_cast<const void*>(bytes->data()));
+  }
+  buffer.Clear();
+  EXPECT_EQ(bytes.use_count(), 1);
+}
+
+}  // namespace
+}  // namespace segserve::client

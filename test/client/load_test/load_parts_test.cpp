@@ -1,0 +1,137 @@
+// What `segctl bench` measures with.
+#include <cmath>
+#include <vector>
+
+#include "client/load_test/arrivals.hpp"
+#include "client/load_test/load_report.hpp"
+#include "client/load_test/objective.hpp"
+#include "client/load_test/percentiles.hpp"
+#include "gmock/gmock.h"
+#include "gtest/gtest.h"
+
+namespace segserve::bench {
+namespace {
+
+TEST(Samples, PercentilesAreNearestRanks) {
+  Samples samples;
+  EXPECT_EQ(samples.percentile(99), 0);
+  for (int i = 1000; i >= 1; --i) samples.add(i);
+  EXPECT_EQ(samples.percentile(50), 500);
+  EXPECT_EQ(samples.percentile(99), 990);
+  EXPECT_EQ(samples.percentile(99.9), 999);
+  EXPECT_EQ(samples.percentile(100), 1000);
+  EXPECT_EQ(samples.percentile(0), 1);
+  EXPECT_EQ(samples.max(), 1000);
+  EXPECT_EQ(samples.mean(), 500.5);
+
+  Samples one;
+  one.add(7);
+  EXPECT_EQ(one.percentile(50), 7);
+  one.add(samples);
+  EXPECT_EQ(one.count(), 1001U);
+}
+
+TEST(Arrivals, ConstantOnesAreEvenAndShifted) {
+  Arrivals arrivals = Arrivals::constant(10, 0.5);
+  EXPECT_DOUBLE_EQ(arrivals.next(), 0.05);
+  EXPECT_DOUBLE_EQ(arrivals.next(), 0.15);
+  EXPECT_DOUBLE_EQ(arrivals.next(), 0.25);
+}
+
+TEST(Arrivals, PoissonOnesHaveTheRateAndTheSpreadOfAPoissonProcess) {
+  constexpr int kCount = 20'000;
+  Arrivals arrivals = Arrivals::poisson(50, 7);
+  std::vector<double> gaps;
+  double before = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const double now = arrivals.next();
+    ASSERT_GT(now, before);
+    gaps.push_back(now - before);
+    before = now;
+  }
+  const double mean = before / kCount;
+  double square = 0;
+  for (const double gap : gaps) square += (gap - mean) * (gap - mean);
+  EXPECT_NEAR(mean, 0.02, 0.001);
+  EXPECT_NEAR(std::sqrt(square / kCount), mean, 0.05 * mean);  // of an exponential: the mean
+  EXPECT_EQ(Arrivals::poisson(50, 7).next(), Arrivals::poisson(50, 7).next());
+  EXPECT_NE(Arrivals::poisson(50, 7).next(), Arrivals::poisson(50, 8).next());
+}
+
+Report report_with_latencies(std::initializer_list<double> latencies) {
+  Report report;
+  for (const double latency : latencies) report.latency.add(latency);
+  report.seconds = 2;
+  report.sent = 10;
+  report.results = 8;
+  report.results_of_client = {5, 3};
+  report.points = 3'000'000;
+  return report;
+}
+
+TEST(Objective, ComparesInItsUnit) {
+  const Report report = report_with_latencies({10, 20, 30});
+  for (const char* met : {"p50<20.5ms", "p50<=20ms", "p99>=0.03s", "max<30001us", "mean<=20ms", "fps>=4", "fps<4.5",
+                          "mpoints>1.4", "errors<=20%", "least-share>=75%"}) {
+    const auto objective = parse_objective(met);
+    ASSERT_TRUE(objective.ok()) << objective.status();
+    EXPECT_TRUE(is_met(*objective, report)) << met;
+  }
+  for (const char* missed : {"p50<20ms", "p99.9<30ms", "p90>1s", "fps>4", "errors<20%", "least-share>75%"}) {
+    const auto objective = parse_objective(missed);
+    ASSERT_TRUE(objective.ok()) << objective.status();
+    EXPECT_FALSE(is_met(*objective, report)) << missed;
+  }
+}
+
+TEST(Objective, OfALatencyIsMissedWhenNothingWasMeasured) {
+  EXPECT_FALSE(is_met(*parse_objective("p99<50ms"), Report{}));
+  EXPECT_FALSE(is_met(*parse_objective("errors<=0%"), Report{}));
+}
+
+TEST(Objective, WrongOnesSayWhy) {
+  const auto message = [](const char* text) { return std::string(parse_objective(text).status().message()); };
+  EXPECT_THAT(message("p99=50ms"), testing::HasSubstr("p99<50ms"));
+  EXPECT_THAT(message("p98<50ms"), testing::HasSubstr("p50, p90, p99, p99.9"));
+  EXPECT_THAT(message("p99<50"), testing::HasSubstr("us, ms or s"));
+  EXPECT_THAT(message("fps>10Hz"), testing::HasSubstr("no unit"));
+  EXPECT_THAT(message("errors<1"), testing::HasSubstr("%"));
+  for (const char* wrong : {"", "<", "p99", "p99<", "p99<ms", "p99<-1ms", "p99<nanms", "p99<1e999ms", "p99<5 0ms"}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(parse_objective(wrong).status())) << wrong;
+  }
+}
+
+TEST(Report, CountsErrorsByReason) {
+  Report report;
+  client::Outcome failed;
+  failed.kind = client::OutcomeKind::kFailed;
+  failed.status = absl::UnavailableError("gone");
+  report.add(failed, {});
+  report.add(failed, {});
+  client::Outcome dropped;
+  dropped.kind = client::OutcomeKind::kDropped;
+  report.add(dropped, {});
+  EXPECT_EQ(report.errors.at("FAILED UNAVAILABLE"), 2U);
+  EXPECT_EQ(report.errors.at("DROPPED"), 1U);
+  EXPECT_EQ(report.error_percent(), 100);
+}
+
+TEST(Report, TheStagesAddUpToTheWholeTime) {
+  Report report;
+  client::Outcome outcome;
+  outcome.kind = client::OutcomeKind::kResult;
+  outcome.result.emplace();
+  outcome.result->timings.queue = 3;
+  outcome.result->segmentation.timings.voxels = 4;
+  outcome.report.decode_ms = 1;
+  report.add(outcome, {.latency_ms = 30, .since_sent_ms = 20, .client_encode_ms = 2, .points = 100});
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < kStages.size(); ++i) sum += report.mean_stage_ms(i);
+  EXPECT_EQ(report.mean_stage_ms(kStages.size() - 1), 20);
+  EXPECT_EQ(sum, 20);
+  EXPECT_EQ(report.mean_stage_ms(kStages.size() - 2), 10);  // the rest
+  EXPECT_EQ(report.latency.percentile(50), 30);
+}
+
+}  // namespace
+}  // namespace segserve::bench

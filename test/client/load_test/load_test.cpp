@@ -1,0 +1,79 @@
+// `segctl bench`'s load, in one process with the server.
+#include "client/load_test/load.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "core/lab/synth/scene.hpp"
+#include "gmock/gmock.h"
+#include "server/server.hpp"
+
+namespace segserve::bench {
+namespace {
+
+std::vector<std::shared_ptr<const Cloud>> scenes(std::size_t count) {
+  std::vector<std::shared_ptr<const Cloud>> clouds;
+  for (std::size_t i = 0; i < count; ++i) {
+    synth::SceneOptions options;
+    options.width = 160;
+    options.height = 120;
+    options.seed = i + 1;
+    clouds.push_back(std::make_shared<const Cloud>(synth::make_tabletop(options).value().cloud));
+  }
+  return clouds;
+}
+
+/// All that a server accepts as it comes.
+std::vector<Encoding> all_encodings() {
+  std::vector<Encoding> encodings;
+  for (const wire::CodecInfo& info : wire::codecs()) {
+    if (info.codec == wire::Codec::kDraco) continue;
+    const wire::CodecOptions options{.codec = info.codec};
+    encodings.push_back(
+        {.name = std::string(info.name),
+         .encode =
+             [options](std::shared_ptr<const Cloud> cloud) { return client::cloud_payload(std::move(cloud), options); },
+         .of_answer = v1::COMPRESSION_ZSTD});
+  }
+  return encodings;
+}
+
+TEST(Load, ManyClientsWithAllCodecsGetTheirLabelsAndTheirShare) {
+  server::ServerOptions settings;
+  settings.listen = "127.0.0.1:0";
+  settings.workers = 2;
+  const auto server = server::Server::start(settings).value();
+  LoadOptions options;
+  options.client.address = server->address();
+  options.stream.outputs = {.labels = true};
+  options.stream.max_in_flight = 2;
+  options.stream.frame_timeout = std::chrono::seconds(120);
+  options.clients = 32;
+  options.warm_up = std::chrono::milliseconds(0);
+  options.duration = std::chrono::seconds(5);
+  options.verify = true;
+
+  const auto report = run_load(options, {scenes(3), all_encodings()}, [](double) {});
+  ASSERT_TRUE(report.ok()) << report.status();
+  EXPECT_THAT(report->errors, testing::IsEmpty());
+  EXPECT_EQ(report->mismatches, 0U);
+  EXPECT_EQ(report->verified, report->sent);
+  ASSERT_EQ(report->results_of_client.size(), 32U);
+  EXPECT_GE(std::ranges::min(report->results_of_client), 2U);
+  EXPECT_GE(report->least_share_percent(), 50);
+}
+
+TEST(Load, AFrameThatCannotBeEncodedIsAnErrorBeforeTheRun) {
+  Cloud cloud = *scenes(1).front();
+  cloud.x.resize(cloud.x.size() - 1);
+  LoadOptions options;
+  options.client.address = "127.0.0.1:1";
+  const auto report = run_load(options, {{std::make_shared<const Cloud>(cloud)}, all_encodings()}, [](double) {});
+  EXPECT_TRUE(absl::IsInvalidArgument(report.status())) << report.status();
+}
+
+}  // namespace
+}  // namespace segserve::bench

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "client/calls/serialise.hpp"
+#include "gtest/gtest.h"
+#include "segserve/v1/stream.pb.h"
+
+namespace segserve::client {
+
+/// The bytes as gRPC gets them, in one piece.
+inline std::string wire_bytes(const Outgoing& outgoing) {
+  const grpc::ByteBuffer buffer = serialise(outgoing);
+  std::vector<grpc::Slice> slices;
+  EXPECT_TRUE(buffer.Dump(&slices).ok());
+  std::string bytes;
+  for (const grpc::Slice& slice : slices) bytes.append(reinterpret_cast<const char*>(slice.begin()), slice.size());
+  return bytes;
+}
+
+/// The message as the server gets it.
+inline v1::SegmentStreamRequest received(const Outgoing& outgoing) {
+  v1::SegmentStreamRequest message;
+  EXPECT_TRUE(message.ParseFromString(wire_bytes(outgoing)));
+  return message;
+}
+
+}  // namespace segserve::client

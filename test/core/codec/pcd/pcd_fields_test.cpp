@@ -1,0 +1,171 @@
+// What the fields of a PCD file mean, whatever their order and types.
+
+#include <cstring>
+
+#include "segserve/codec/pcd.hpp"
+#include "test/core/codec/support/sample_cloud.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+std::string header(std::string_view fields, std::string_view size, std::string_view type, std::string_view count,
+                   int points, std::string_view data) {
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS " + std::string(fields) + "\nSIZE " +
+         std::string(size) + "\nTYPE " + std::string(type) + "\nCOUNT " + std::string(count) + "\nWIDTH " +
+         std::to_string(points) + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(points) + "\nDATA " +
+         std::string(data) + "\n";
+}
+
+template <typename T>
+void put(std::string& out, T value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+LabelledCloud decode(const std::string& file) {
+  auto cloud = decode_pcd(bytes_of(file), DecodeLimits{});
+  EXPECT_TRUE(cloud.ok()) << cloud.status();
+  return cloud.value_or(LabelledCloud{});
+}
+
+TEST(PcdFields, AnyOrderUnknownOnesAndCountsAreSkipped) {
+  std::string file = header("normal_x z histogram x _ y", "4 8 2 4 1 8", "F F U F U F", "1 1 3 1 4 1", 2, "binary");
+  for (int i = 0; i < 2; ++i) {
+    put(file, 9.0F);
+    put(file, 3.0 + i);
+    for (std::uint16_t k = 0; k < 3; ++k) put(file, k);
+    put(file, 1.0F + static_cast<float>(i));
+    file.append(4, 'p');
+    put(file, 2.0 + i);
+  }
+  const LabelledCloud read = decode(file);
+  EXPECT_THAT(read.cloud.x, ElementsAre(1.0F, 2.0F));
+  EXPECT_THAT(read.cloud.y, ElementsAre(2.0F, 3.0F));
+  EXPECT_THAT(read.cloud.z, ElementsAre(3.0F, 4.0F));
+  EXPECT_FALSE(read.cloud.has_color());
+  EXPECT_THAT(read.label, IsEmpty());
+}
+
+TEST(PcdFields, PackedFloatIsReinterpretedAndNeverConverted) {
+  std::string file = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 3, "binary");
+  for (const std::uint32_t bits : {0x00102030U, 0xFFC0FFEEU, 0x7FC00000U}) {
+    file.append(12, '\0');
+    put(file, bits);
+  }
+  // With an opaque alpha most bright colours are NaNs; only the plain quiet NaN says "no colour".
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(0x102030U, 0xC0FFEEU, 0U));
+}
+
+TEST(PcdFields, PackedIntegerIsTheSameWhateverItsNameAndSign) {
+  std::string file = header("rgba x y z", "4 4 4 4", "U F F F", "1 1 1 1", 1, "binary");
+  put(file, 0x7FC00000U);
+  file.append(12, '\0');
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(0xC00000U));
+
+  const std::string text =
+      header("x y z rgb", "4 4 4 4", "F F F I", "1 1 1 1", 2, "ascii") + "0 0 0 -16711936\n0 0 0 1056816\n";
+  EXPECT_THAT(decode(text).cloud.rgb, ElementsAre(0x00FF00U, 0x102030U));
+}
+
+TEST(PcdFields, PackedTextOfTypeFloatIsAFloatsBits) {
+  const float number = 4.2108e+06F;
+  const std::string file = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 3, "ascii") +
+                           "0 0 0 4.2108e+06\n0 0 0 nan\n0 0 0 2.3418052e-38\n";
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(std::bit_cast<std::uint32_t>(number) & 0xFFFFFFU, 0U, 0xFF0000U));
+}
+
+TEST(PcdFields, PackedTextOfTypeUnsignedIsAnInteger) {
+  const std::string file =
+      header("x y z rgb", "4 4 4 4", "F F F U", "1 1 1 1", 2, "ascii") + "0 0 0 4278255360\n0 0 0 255\n";
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(0x00FF00U, 0x0000FFU));
+}
+
+TEST(PcdFields, ChannelsOfBytesOrFloatsAreClampedAndNanIsBlack) {
+  const std::string bytes = header("x y z b g r", "4 4 4 1 2 4", "F F F U I U", "1 1 1 1 1 1", 2, "ascii") +
+                            "0 0 0 1 2 3\n0 0 0 255 -7 300\n";
+  EXPECT_THAT(decode(bytes).cloud.rgb, ElementsAre(0x030201U, 0xFF00FFU));
+
+  const std::string floats = header("x y z r g b", "4 4 4 4 4 8", "F F F F F F", "1 1 1 1 1 1", 2, "ascii") +
+                             "0 0 0 254.6 1e9 -3\n0 0 0 nan inf 16.4\n";
+  EXPECT_THAT(decode(floats).cloud.rgb, ElementsAre(0xFFFF00U, 0x00FF10U));
+}
+
+TEST(PcdFields, PackedColourIsPreferredToChannels) {
+  const std::string file =
+      header("r g b rgba x y z", "1 1 1 4 4 4 4", "U U U U F F F", "1 1 1 1 1 1 1", 1, "ascii") + "1 2 3 255 0 0 0\n";
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(255U));
+}
+
+TEST(PcdFields, SomeChannelsOnlyAreNoColour) {
+  const std::string file = header("x y z r g", "4 4 4 1 1", "F F F U U", "1 1 1 1 1", 1, "ascii") + "0 0 0 1 2\n";
+  EXPECT_FALSE(decode(file).cloud.has_color());
+}
+
+TEST(PcdFields, LabelsOfAnyNumberType) {
+  const std::string head = "0 0 0 ";
+  const auto labels = [&](std::string_view size, std::string_view type, std::string_view a, std::string_view b) {
+    return decode(header("x y z label", "4 4 4 " + std::string(size), "F F F " + std::string(type), "1 1 1 1", 2,
+                         "ascii") +
+                  head + std::string(a) + "\n" + head + std::string(b) + "\n")
+        .label;
+  };
+  EXPECT_THAT(labels("4", "U", "4294967295", "0"), ElementsAre(4294967295U, 0U));
+  EXPECT_THAT(labels("4", "I", "7", "-1"), ElementsAre(7U, 0U));
+  EXPECT_THAT(labels("1", "U", "255", "3"), ElementsAre(255U, 3U));
+  EXPECT_THAT(labels("8", "I", "4294967295", "-5"), ElementsAre(4294967295U, 0U));
+  EXPECT_THAT(labels("4", "F", "20", "nan"), ElementsAre(20U, 0U));
+}
+
+TEST(PcdFields, OldVersionsAndShortHeadersAreRead) {
+  const std::string minimal = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\n1 2 3\n4 5 6\n";
+  EXPECT_THAT(decode(minimal).cloud.y, ElementsAre(2.0F, 5.0F));
+  const std::string old =
+      "VERSION .5\r\nCOLUMNS x y z\r\nSIZE 4 4 4\r\nTYPE F F F\r\nWIDTH 1\r\nDATA ascii\r\n1 2 +3\r\n";
+  EXPECT_THAT(decode(old).cloud.z, ElementsAre(3.0F));
+}
+
+TEST(PcdFields, TextOfExtremeNumbers) {
+  const std::string file = header("x y z", "4 8 4", "F F F", "1 1 1", 2, "ascii") + "nan -inf 1e-60\n-nan 1e300 +1e60";
+  const Cloud cloud = decode(file).cloud;
+  const float infinity = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(std::isnan(cloud.x[0]) && std::isnan(cloud.x[1]));
+  EXPECT_THAT(cloud.y, ElementsAre(-infinity, infinity));
+  EXPECT_THAT(cloud.z, ElementsAre(0.0F, infinity));
+}
+
+struct ViewCase {
+  std::uint32_t height;
+  std::string viewpoint;
+  View expected;
+};
+
+TEST(PcdView, FollowsFromShapeAndViewpoint) {
+  const std::vector<ViewCase> cases{
+      {2, "VIEWPOINT 0 0 0 1 0 0 0\n", View::camera()},
+      {2, "", View::camera()},
+      {2, "VIEWPOINT -0 0 0 -1 0 0 0\n", View::camera()},
+      {2, "VIEWPOINT 1 2 3 1 0 0 0\n", View::world(1, 2, 3)},
+      {2, "VIEWPOINT 0 0 0 0.7 0.7 0 0\n", View::world(0, 0, 0)},
+      {1, "VIEWPOINT 0 0 0 1 0 0 0\n", View::world(0, 0, 0)},
+      {1, "VIEWPOINT 0.5 -1 1e3 1 0 0 0\n", View::world(0.5, -1, 1000)},
+  };
+  for (const ViewCase& c : cases) {
+    const std::string size = "WIDTH " + std::to_string(2 / c.height) + "\nHEIGHT " + std::to_string(c.height) + "\n";
+    const std::string file =
+        "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + size + c.viewpoint + "DATA ascii\n0 0 1\n0 0 1\n";
+    const LabelledCloud read = decode(file);
+    EXPECT_EQ(read.cloud.view, c.expected) << file << read.view_rule;
+    EXPECT_THAT(read.view_rule, testing::StartsWith(c.expected.kind == ViewKind::kCamera ? "CAMERA" : "WORLD"));
+    EXPECT_THAT(read.view_rule, testing::HasSubstr("VIEWPOINT"));
+
+    const auto given = decode_pcd(bytes_of(file), DecodeLimits{}, View::world(7, 8, 9));
+    ASSERT_TRUE(given.ok());
+    EXPECT_EQ(given->cloud.view, View::world(7, 8, 9));
+    EXPECT_THAT(given->view_rule, testing::HasSubstr("asked for"));
+  }
+}
+
+}  // namespace
+}  // namespace segserve::codec

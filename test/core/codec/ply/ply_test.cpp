@@ -1,0 +1,105 @@
+// PLY files as other programs write them, and what we write ourselves.
+
+#include "segserve/codec/ply.hpp"
+
+#include "test/core/codec/support/sample_cloud.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+LabelledCloud decode(const std::string& file) {
+  auto cloud = decode_ply(bytes_of(file), DecodeLimits{});
+  EXPECT_TRUE(cloud.ok()) << cloud.status();
+  return cloud.value_or(LabelledCloud{});
+}
+
+template <typename T>
+void put(std::string& out, T value, std::endian order) {
+  std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
+  if (order != std::endian::native) std::reverse(bytes.begin(), bytes.end());
+  out += bytes;
+}
+
+TEST(PlyRoundTrip, KeepsPointsColoursAndLabels) {
+  for (const PlyEncoding encoding : {PlyEncoding::kAscii, PlyEncoding::kBinaryLittleEndian}) {
+    for (const bool color : {false, true}) {
+      for (const bool label : {false, true}) {
+        const Sample sample = make_sample(2, 31, 3, color, label);
+        const LabelledCloud read = decode(encode_ply(sample.cloud, sample.label, encoding));
+        expect_same_points(read.cloud, sample.cloud);
+        EXPECT_EQ(read.label, sample.label);
+        EXPECT_EQ(read.cloud.width, 93U);
+        EXPECT_EQ(read.cloud.height, 1U);
+      }
+    }
+  }
+}
+
+TEST(PlyRoundTrip, NoPointsAreNoPoints) {
+  EXPECT_EQ(decode(encode_ply(Cloud{}, {}, PlyEncoding::kAscii)).cloud.size(), 0U);
+  EXPECT_EQ(decode(encode_ply(Cloud{}, {}, PlyEncoding::kBinaryLittleEndian)).cloud.size(), 0U);
+}
+
+TEST(PlyRead, TextWithCommentsListsAndOtherElements) {
+  const LabelledCloud read = decode(
+      "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info num_cols 2\r\n"
+      "element face 2\r\nproperty list uchar int vertex_indices\r\nproperty float area\r\n"
+      "element vertex 2\r\nproperty double z\r\nproperty list uint8 float weights\r\nproperty float x\r\n"
+      "property float y\r\nproperty uchar blue\r\nproperty uchar green\r\nproperty uchar red\r\nproperty int label\r\n"
+      "element edge 1\r\nproperty int vertex1\r\nproperty int vertex2\r\nend_header\r\n"
+      "3 0 1 0 0.5\r\n0 0.25\r\n"
+      "3 2 0.1 0.2 1 2 30 20 10 -1\r\n\r\n6 0 4 5 33 22 11 8\r\n"
+      "0 1\r\n");
+  EXPECT_THAT(read.cloud.x, ElementsAre(1, 4));
+  EXPECT_THAT(read.cloud.y, ElementsAre(2, 5));
+  EXPECT_THAT(read.cloud.z, ElementsAre(3, 6));
+  EXPECT_THAT(read.cloud.rgb, ElementsAre(0x0A141EU, 0x0B1621U));
+  EXPECT_THAT(read.label, ElementsAre(0U, 8U));
+}
+
+TEST(PlyRead, BinaryOfBothByteOrdersWithListsBeforeAndAmongTheVertices) {
+  for (const std::endian order : {std::endian::little, std::endian::big}) {
+    std::string file = std::string("ply\nformat binary_") + (order == std::endian::big ? "big" : "little") +
+                       "_endian 1.0\nelement face 2\nproperty list ushort int vertex_indices\n"
+                       "element vertex 2\nproperty uchar diffuse_red\nproperty uchar diffuse_green\n"
+                       "property uchar diffuse_blue\nproperty double x\nproperty list int8 double weights\n"
+                       "property float y\nproperty float z\nproperty float scalar_Label\nend_header\n";
+    for (std::uint16_t length = 3; length <= 4; ++length) {
+      put(file, length, order);
+      for (std::int32_t i = 0; i < length; ++i) put(file, i, order);
+    }
+    for (int i = 0; i < 2; ++i) {
+      file += std::string("\x01\x02", 2) + static_cast<char>(3 + i);
+      put(file, 1.5 + i, order);
+      put(file, static_cast<std::int8_t>(i), order);
+      for (int k = 0; k < i; ++k) put(file, 9.0, order);
+      put(file, 2.5F, order);
+      put(file, 3.5F, order);
+      put(file, 20.0F, order);
+    }
+    const LabelledCloud read = decode(file);
+    EXPECT_THAT(read.cloud.x, ElementsAre(1.5F, 2.5F));
+    EXPECT_THAT(read.cloud.y, ElementsAre(2.5F, 2.5F));
+    EXPECT_THAT(read.cloud.z, ElementsAre(3.5F, 3.5F));
+    EXPECT_THAT(read.cloud.rgb, ElementsAre(0x010203U, 0x010204U));
+    EXPECT_THAT(read.label, ElementsAre(20U, 20U));
+  }
+}
+
+TEST(PlyRead, ViewIsWorldWithoutSensorUnlessGiven) {
+  const std::string file = encode_ply(make_sample(1, 2, 2, false, false).cloud, {}, PlyEncoding::kAscii);
+  const LabelledCloud read = decode(file);
+  EXPECT_EQ(read.cloud.view, View::world());
+  EXPECT_THAT(read.view_rule, testing::StartsWith("WORLD without a sensor"));
+  EXPECT_THAT(read.label, IsEmpty());
+  const auto given = decode_ply(bytes_of(file), DecodeLimits{}, View::camera());
+  ASSERT_TRUE(given.ok());
+  EXPECT_EQ(given->cloud.view, View::camera());
+  EXPECT_EQ(given->view_rule, "CAMERA, as asked for");
+}
+
+}  // namespace
+}  // namespace segserve::codec

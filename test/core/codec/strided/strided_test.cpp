@@ -1,0 +1,157 @@
+#include "segserve/codec/strided.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "test/core/codec/support/sample_cloud.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using Type = PointDatatype;
+
+std::string big_endian(std::string data) {
+  for (std::size_t i = 0; i + 4 <= data.size(); i += 4) std::reverse(data.begin() + i, data.begin() + i + 4);
+  return data;
+}
+
+TEST(Strided, KeepsEverything) {
+  for (const bool color : {false, true}) {
+    const Sample sample = make_sample(1, 13, 7, color, false);
+    const StridedCloud strided = encode_strided(sample.cloud);
+    EXPECT_EQ(strided.data.size(), strided.layout.bytes());
+    const auto read = decode_strided(strided.layout, strided.data, View::world(1, 2, 3), {});
+    ASSERT_TRUE(read.ok()) << read.status();
+    expect_same_points(*read, sample.cloud);
+    EXPECT_EQ(read->width, 13U);
+    EXPECT_EQ(read->height, 7U);
+    EXPECT_EQ(read->view, View::world(1, 2, 3));
+  }
+}
+
+TEST(Strided, ReadsBigEndian) {
+  const Sample sample = make_sample(2, 5, 4, true, false);
+  StridedCloud strided = encode_strided(sample.cloud);
+  strided.layout.is_bigendian = true;
+  const auto read = decode_strided(strided.layout, big_endian(strided.data), View::camera(), {});
+  ASSERT_TRUE(read.ok()) << read.status();
+  expect_same_points(*read, sample.cloud);
+}
+
+/// As a depth camera of ROS sends it: points of 32 bytes with gaps, rows padded, a field that we do not know.
+TEST(Strided, ReadsTheLayoutOfADepthCamera) {
+  const StridedLayout layout{.width = 2,
+                             .height = 2,
+                             .fields = {{"x", 0, Type::kFloat32, 1},
+                                        {"y", 4, Type::kFloat32, 1},
+                                        {"z", 8, Type::kFloat32, 0},
+                                        {"rgb", 16, Type::kFloat32, 1},
+                                        {"covariance", 20, Type::kUint16, 6}},
+                             .point_step = 32,
+                             .row_step = 70,
+                             .is_bigendian = false};
+  std::string data(layout.bytes(), '\xee');
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    char* point = data.data() + i / 2 * 70 + i % 2 * 32;
+    const float xyz[] = {1.0F + static_cast<float>(i), 2.0F, 3.0F};
+    const std::uint32_t argb = 0xff102030U + i;  // its float is a NaN
+    std::memcpy(point, xyz, sizeof(xyz));
+    std::memcpy(point + 16, &argb, sizeof(argb));
+  }
+  const auto read = decode_strided(layout, data, View::camera(), {});
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->x, (std::vector<float>{1, 2, 3, 4}));
+  EXPECT_EQ(read->y, (std::vector<float>{2, 2, 2, 2}));
+  EXPECT_EQ(read->z, (std::vector<float>{3, 3, 3, 3}));
+  EXPECT_EQ(read->rgb, (std::vector<std::uint32_t>{0x102030, 0x102031, 0x102032, 0x102033}));
+}
+
+TEST(Strided, ReadsDoublesAndSeparateChannels) {
+  const StridedLayout layout{.width = 1,
+                             .height = 1,
+                             .fields = {{"b", 0, Type::kUint8, 1},
+                                        {"r", 1, Type::kUint8, 1},
+                                        {"g", 2, Type::kUint8, 1},
+                                        {"z", 3, Type::kFloat64, 1},
+                                        {"x", 11, Type::kFloat64, 1},
+                                        {"y", 19, Type::kFloat64, 1}},
+                             .point_step = 27,
+                             .row_step = 27,
+                             .is_bigendian = false};
+  std::string data("\x03\x01\x02", 3);
+  for (const double value : {0.5, -2.0, 4.25}) data.append(reinterpret_cast<const char*>(&value), 8);
+  const auto read = decode_strided(layout, data, View::world(), {});
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->x.at(0), -2.0F);
+  EXPECT_EQ(read->y.at(0), 4.25F);
+  EXPECT_EQ(read->z.at(0), 0.5F);
+  EXPECT_EQ(read->rgb.at(0), 0x010203U);
+}
+
+struct Fault {
+  StridedLayout layout;
+  std::string words;
+};
+
+std::vector<Fault> faults() {
+  const StridedLayout good = encode_strided(make_sample(1, 4, 2, true, false).cloud).layout;
+  std::vector<Fault> all;
+  const auto add = [&](std::string words, auto change) {
+    Fault fault{good, std::move(words)};
+    change(fault.layout);
+    all.push_back(std::move(fault));
+  };
+  add("field 'z' at offset 13 ends at byte 17, beyond point_step 16", [](auto& l) { l.fields[2].offset = 13; });
+  add("field 'z' at offset 4294967295", [](auto& l) { l.fields[2].offset = 0xffffffffU; });
+  add("field 'more' at offset 8", [](auto& l) { l.fields.push_back({"more", 8, Type::kFloat64, 0xffffffffU}); });
+  add("field 'x' has datatype 0", [](auto& l) { l.fields[0].datatype = static_cast<Type>(0); });
+  add("field 'x' has datatype 9", [](auto& l) { l.fields[0].datatype = static_cast<Type>(9); });
+  add("field 'y' has datatype 6 and count 1; it must be 7 (FLOAT32) or 8",
+      [](auto& l) { l.fields[1].datatype = Type::kUint32; });
+  add("field 'x' has datatype 7 and count 2", [](auto& l) { l.fields[0].count = 2; });
+  add("field 'rgb' has datatype 2", [](auto& l) { l.fields[3].datatype = Type::kUint8; });
+  add("the fields x, y and z must be there", [](auto& l) { l.fields[1].name = "v"; });
+  add("'x' is there twice", [](auto& l) { l.fields[3].name = "x"; });
+  add("row_step 63 is less than 4 points of point_step 16", [](auto& l) { l.row_step = 63; });
+  add("row_step 64 is less than 4294967295 points", [](auto& l) { l.width = 0xffffffffU, l.height = 0; });
+  add("65 fields; at most 64", [](auto& l) { l.fields.resize(65, l.fields[3]); });
+  add("field 'g' has datatype 7", [](auto& l) {
+    l.fields[3] = {"r", 12, Type::kUint8, 1};
+    l.fields.push_back({"g", 12, Type::kFloat32, 1});
+    l.fields.push_back({"b", 14, Type::kUint8, 1});
+  });
+  return all;
+}
+
+TEST(Strided, EachFaultOfTheLayoutIsNamed) {
+  for (const Fault& fault : faults()) {
+    expect_fault(check_layout(fault.layout, {}), fault.words);
+    expect_fault(decode_strided(fault.layout, std::string(fault.layout.bytes(), ' '), View::camera(), {}).status(),
+                 fault.words);
+  }
+}
+
+TEST(Strided, DataMustHaveTheSizeOfTheLayout) {
+  const StridedCloud strided = encode_strided(make_sample(1, 4, 2, true, false).cloud);
+  for (const std::size_t size : {std::size_t{0}, strided.data.size() - 1}) {
+    expect_fault(decode_strided(strided.layout, strided.data.substr(0, size), View::camera(), {}).status(),
+                 "2 rows of 64 bytes are 128");
+  }
+  expect_fault(decode_strided(strided.layout, strided.data + " ", View::camera(), {}).status(), "129 bytes");
+}
+
+TEST(Strided, LimitsAreNamedBeforeThereAreAnyData) {
+  StridedLayout layout = encode_strided(make_sample(1, 4, 2, true, false).cloud).layout;
+  expect_over_limit(check_layout(layout, {.max_points = 7}), "max_points", "8 points exceed the limit of 7");
+  expect_over_limit(check_layout(layout, {.max_bytes = 127}), "max_bytes", "exceed the limit of 127 bytes");
+  layout.row_step = 0xffffffffU;
+  layout.height = 0xffffffffU;
+  layout.width = 0;
+  expect_over_limit(check_layout(layout, {}), "max_bytes", "4294967295 rows of 4294967295 bytes");
+  layout.width = 0xffffffffU;
+  expect_over_limit(check_layout(layout, {}), "max_points", "18446744065119617025 points");
+}
+
+}  // namespace
+}  // namespace segserve::codec

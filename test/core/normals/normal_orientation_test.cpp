@@ -1,0 +1,140 @@
+#include "core/normals/normal_orientation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/lab/synth/scene.hpp"
+#include "core/normals/two_ring_normals.hpp"
+#include "core/normals/visibility.hpp"
+#include "test/core/support/clouds.hpp"
+
+namespace segserve {
+namespace {
+
+constexpr double kVoxel = 0.01;
+
+struct Oriented {
+  VoxelGrid grid;
+  VoxelAdjacency adjacency;
+  std::vector<Vec3> turned, oriented;  // to the sensor; and then by orient_hidden
+};
+
+Oriented oriented(const Cloud& cloud) {
+  Oriented o;
+  VoxelizeScratch scratch;
+  EXPECT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, o.grid).ok());
+  find_adjacency(o.grid, o.adjacency);
+  EXPECT_TRUE(compute_normals(o.grid, o.adjacency, cloud.view, 1, StopToken(), o.turned).ok());
+  o.oriented = o.turned;
+  EXPECT_TRUE(orient_hidden(o.grid, o.adjacency, cloud.view, kVoxel, StopToken(), o.oriented).ok());
+  return o;
+}
+
+/// A board of 0.4 m x 0.4 m x 0.1 m with all its faces, seen from above.
+Cloud board() {
+  Cloud cloud = test::unorganised(View::world(0.2F, 0.2F, 2));
+  for (float u = 0.0013F; u < 0.4F; u += 0.004F) {
+    for (float v = 0.0013F; v < 0.4F; v += 0.004F) {
+      test::add(cloud, u, v, 0, 0);
+      test::add(cloud, u, v, 0.1F, 0);
+    }
+    for (float z = 0.004F; z < 0.1F; z += 0.004F) {
+      test::add(cloud, u, 0, z, 0), test::add(cloud, u, 0.4F, z, 0);
+      test::add(cloud, 0, u, z, 0), test::add(cloud, 0.4F, u, z, 0);
+    }
+  }
+  return cloud;
+}
+
+TEST(OrientHidden, TheUndersideOfABoardFacesDown) {
+  const Oriented o = oriented(board());
+  std::size_t top = 0, bottom = 0;
+  for (std::size_t v = 0; v < o.grid.size(); ++v) {
+    const Vec3& c = o.grid.centroid[v];
+    const bool inner = std::fabs(c.x - 0.2) < 0.17 && std::fabs(c.y - 0.2) < 0.17;
+    if (inner && c.z > 0.09) {
+      ++top;
+      EXPECT_GT(o.oriented[v].z, 0.99);
+    } else if (inner) {
+      ++bottom;
+      EXPECT_GT(o.turned[v].z, 0.99);
+      EXPECT_LT(o.oriented[v].z, -0.99);
+    }
+  }
+  EXPECT_GT(top, 1000U);
+  EXPECT_GT(bottom, 1000U);
+}
+
+TEST(OrientHidden, WhatNothingSeenTouchesFacesTheSensor) {
+  Cloud cloud = test::unorganised(View::world(0.2F, 0.2F, 2));
+  test::add_patch(cloud, 0, 0, 0.5F, 0.4F, 0.004F, 0);
+  test::add_patch(cloud, 0.1F, 0.1F, 0.005F, 0.2F, 0.004F, 0);  // in its shadow
+  const Oriented o = oriented(cloud);
+  for (const Vec3& normal : o.oriented) EXPECT_GT(normal.z, 0.99);
+}
+
+TEST(OrientHidden, ACloudOfOneViewHardlyChanges) {
+  Cloud cloud = synth::make_tabletop({.seed = 3})->cloud;
+  cloud.view = View::world(0, 0, 0);
+  const Oriented o = oriented(cloud);
+  std::size_t changed = 0;
+  for (std::size_t v = 0; v < o.grid.size(); ++v) changed += o.turned[v] == o.oriented[v] ? 0U : 1U;
+  EXPECT_GT(changed, 0U);
+  EXPECT_LT(static_cast<double>(changed), 0.02 * static_cast<double>(o.grid.size()));
+}
+
+TEST(OrientHidden, EndsEarlyWhenAsked) {
+  Oriented o = oriented(board());
+  const std::atomic<bool> cancelled = true;
+  EXPECT_EQ(orient_hidden(o.grid, o.adjacency, board().view, kVoxel, StopToken(&cancelled), o.oriented).code(),
+            absl::StatusCode::kCancelled);
+}
+
+TEST(SeenFrom, AWallHidesWhatIsBehindItAndNothingElse) {
+  Cloud cloud = test::unorganised();
+  test::add_patch(cloud, -0.2F, -0.2F, 1, 0.4F, 0.004F, 0);
+  test::add_patch(cloud, -1, -1, 2, 2, 0.008F, 0);
+  VoxelizeScratch scratch;
+  VoxelGrid grid;
+  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
+  const std::vector<bool> seen = seen_from({0, 0, 0}, grid, kVoxel);
+  std::size_t hidden = 0;
+  for (std::size_t v = 0; v < grid.size(); ++v) {
+    const Vec3& c = grid.centroid[v];
+    const double off_axis = std::max(std::fabs(c.x), std::fabs(c.y)) / c.z;
+    if (c.z < 1.5 || off_axis > 0.22) {
+      EXPECT_TRUE(seen[v]);
+    } else if (off_axis < 0.18) {
+      EXPECT_FALSE(seen[v]);
+      ++hidden;
+    }
+  }
+  EXPECT_GT(hidden, 3000U);
+}
+
+TEST(SeenFrom, ASlopeDoesNotHideItself) {
+  Cloud cloud = test::unorganised();
+  for (float u = -1; u < 1; u += 0.005F) {
+    for (float y = -0.5F; y < 0.5F; y += 0.005F) test::add(cloud, u, y, 2 + 0.8F * u, 0);
+  }
+  VoxelizeScratch scratch;
+  VoxelGrid grid;
+  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
+  const std::vector<bool> seen = seen_from({0, 0, 0}, grid, kVoxel);
+  EXPECT_GT(std::ranges::count(seen, true), 0.95 * static_cast<double>(seen.size()));
+}
+
+TEST(SeenFrom, AVoxelAtTheSensorIsSeen) {
+  Cloud cloud = test::unorganised();
+  test::add(cloud, 0, 0, 0, 0);
+  VoxelizeScratch scratch;
+  VoxelGrid grid;
+  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
+  EXPECT_EQ(seen_from(grid.centroid[0], grid, kVoxel), std::vector<bool>{true});
+}
+
+}  // namespace
+}  // namespace segserve

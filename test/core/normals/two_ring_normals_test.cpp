@@ -1,0 +1,129 @@
+#include "core/normals/two_ring_normals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "core/voxels/voxel_adjacency.hpp"
+#include "test/core/support/clouds.hpp"
+
+namespace segserve {
+namespace {
+
+VoxelGrid voxels_of(const Cloud& cloud, double resolution = 0.01) {
+  VoxelizeScratch scratch;
+  VoxelGrid grid;
+  EXPECT_TRUE(voxelize(cloud, resolution, 1, StopToken(), scratch, grid).ok());
+  return grid;
+}
+
+VoxelAdjacency adjacency_of(const VoxelGrid& grid) {
+  VoxelAdjacency adjacency;
+  find_adjacency(grid, adjacency);
+  return adjacency;
+}
+
+int axis(VoxelKey key, int axis) {
+  return static_cast<int>(key >> (axis * kCellBits) & ((1U << kCellBits) - 1)) - kCellBias;
+}
+
+TEST(Adjacency, EqualsComparingAllPairs) {
+  // Dense enough for all 26 neighbours, around the origin so that cells go from -1 to 0.
+  const VoxelGrid grid = voxels_of(test::random_cloud(3000, 0.12F, 0, View::world()));
+  const VoxelAdjacency adjacency = adjacency_of(grid);
+  ASSERT_EQ(adjacency.offset.size(), grid.size() + 1);
+  std::size_t most = 0;
+  for (std::uint32_t v = 0; v < grid.size(); ++v) {
+    std::vector<std::uint32_t> expected;
+    for (std::uint32_t u = 0; u < grid.size(); ++u) {
+      bool near = u != v;
+      for (int a = 0; a < 3; ++a) near = near && std::abs(axis(grid.key[v], a) - axis(grid.key[u], a)) <= 1;
+      if (near) expected.push_back(u);
+    }
+    const auto neighbors = adjacency.of(v);
+    ASSERT_EQ(std::vector(neighbors.begin(), neighbors.end()), expected);
+    most = std::max(most, expected.size());
+  }
+  EXPECT_EQ(most, 26U);
+}
+
+TEST(Normals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
+  const VoxelGrid grid = voxels_of(test::random_cloud(400, 0.12F, 0, View::world()));
+  const VoxelAdjacency adjacency = adjacency_of(grid);
+  const View view = View::world(0.1F, 0.2F, 3);
+  std::vector<Vec3> normals;
+  ASSERT_TRUE(compute_normals(grid, adjacency, view, 1, StopToken(), normals).ok());
+  for (std::uint32_t v = 0; v < grid.size(); ++v) {
+    std::vector<std::uint32_t> list{v};  // as PCL makes it, where a voxel is among its own neighbours
+    const auto with_itself = [&](std::uint32_t w) {
+      std::vector<std::uint32_t> n(adjacency.of(w).begin(), adjacency.of(w).end());
+      n.push_back(w);
+      return n;
+    };
+    for (const std::uint32_t u : with_itself(v)) {
+      list.push_back(u);
+      for (const std::uint32_t w : with_itself(u)) list.push_back(w);
+    }
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const std::uint32_t u : list)
+      mean += Eigen::Vector3d(grid.centroid[u].x, grid.centroid[u].y, grid.centroid[u].z);
+    mean /= static_cast<double>(list.size());
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (const std::uint32_t u : list) {
+      const Eigen::Vector3d d = Eigen::Vector3d(grid.centroid[u].x, grid.centroid[u].y, grid.centroid[u].z) - mean;
+      scatter += d * d.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
+    const Eigen::Vector3d values = solver.eigenvalues();
+    if (values[1] - values[0] <= 0.05 * values[2]) continue;  // hardly a plane: the direction is loose
+    const Eigen::Vector3d n = solver.eigenvectors().col(0);
+    EXPECT_NEAR(std::fabs(n.x() * normals[v].x + n.y() * normals[v].y + n.z() * normals[v].z), 1, 1e-6);
+    EXPECT_GE(dot(normals[v], Vec3{0.1F, 0.2F, 3} - grid.centroid[v]), 0) << "turned to the sensor";
+  }
+}
+
+TEST(Normals, AreUndefinedOnlyWhereNoPlaneIs) {
+  Cloud cloud = test::unorganised();
+  test::add(cloud, 5, 5, 5, 0);                                                                              // alone
+  for (int i = 0; i < 30; ++i) test::add(cloud, 0.01F * static_cast<float>(i) + 0.005F, 0.005F, 0.005F, 0);  // a line
+  test::add_patch(cloud, 1, 1, 0.005F, 0.2F, 0.005F, 0);
+  const VoxelGrid grid = voxels_of(cloud);
+  std::vector<Vec3> normals;
+  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 1, StopToken(), normals).ok());
+  for (std::size_t v = 0; v < grid.size(); ++v) {
+    const bool on_patch = grid.centroid[v].x > 0.9 && grid.centroid[v].x < 2;
+    EXPECT_NEAR(norm(normals[v]), on_patch ? 1 : 0, 1e-9);
+    if (on_patch) {
+      EXPECT_NEAR(normals[v].z, 1, 1e-9);
+    }
+  }
+}
+
+TEST(Normals, AreConsistentWithoutASensor) {
+  // A closed half sphere from below the equator up: all normals outwards, as most of it looks up.
+  Cloud cloud = test::unorganised(View::world());
+  for (double theta = 0; theta < 1.9; theta += 0.01) {
+    for (double phi = 0; phi < 6.28; phi += 0.01 / std::max(0.05, std::sin(theta))) {
+      test::add(cloud, static_cast<float>(0.3 * std::sin(theta) * std::cos(phi)),
+                static_cast<float>(0.3 * std::sin(theta) * std::sin(phi)), static_cast<float>(0.3 * std::cos(theta)),
+                0);
+    }
+  }
+  const VoxelGrid grid = voxels_of(cloud);
+  std::vector<Vec3> normals;
+  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 1, StopToken(), normals).ok());
+  for (std::size_t v = 0; v < grid.size(); ++v) EXPECT_GT(dot(normals[v], unit(grid.centroid[v])), 0.8);
+}
+
+TEST(Normals, DoNotDependOnThreads) {
+  const Cloud cloud = test::random_cloud(3000, 0.3F, 1, View::camera());
+  const VoxelGrid grid = voxels_of(cloud);
+  std::vector<Vec3> one, many;
+  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 1, StopToken(), one).ok());
+  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 5, StopToken(), many).ok());
+  EXPECT_EQ(one, many);
+}
+
+}  // namespace
+}  // namespace segserve

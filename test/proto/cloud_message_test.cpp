@@ -1,0 +1,195 @@
+#include "proto/wire/cloud_message.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/status_message.hpp"
+#include "segserve/codec/pcd.hpp"
+#include "test/proto/example_messages.hpp"
+
+namespace segserve::wire {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr codec::DecodeLimits kLimits{.max_points = 100, .max_bytes = 10'000};
+
+bool same_bits(std::span<const float> a, std::span<const float> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(float)) == 0;
+}
+
+void expect_same(const CloudView& a, const CloudView& b) {
+  EXPECT_TRUE(same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z));
+  EXPECT_TRUE(std::ranges::equal(a.rgb, b.rgb));
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.view, b.view);
+}
+
+std::vector<std::string> wrong_fields(const v1::Cloud& message) {
+  std::vector<std::string> fields;
+  for (const FieldViolation& fault : violations(message)) fields.push_back(fault.field);
+  return fields;
+}
+
+v1::Cloud planar() { return to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value(); }
+
+ErrorReason reason_of(const v1::Cloud& message, const codec::DecodeLimits& limits = kLimits) {
+  return details_of(decode_cloud(message, limits).status()).reason;
+}
+
+TEST(WireCloud, PlanarKeepsEveryBit) {
+  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
+    const v1::Cloud message = to_planar_message(small_cloud(), compression).value();
+    const auto decoded = decode_cloud(message, kLimits);
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    expect_same(decoded->cloud, small_cloud());
+    EXPECT_THAT(decoded->view_rule, HasSubstr("CAMERA"));
+  }
+}
+
+TEST(WireCloud, RawCoordinatesStayInTheMessage) {
+  const v1::Cloud message = planar();
+  const auto decoded = decode_cloud(message, kLimits);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(static_cast<const void*>(decoded->cloud->z.data()),
+            static_cast<const void*>(message.planar().z().data().data()));
+}
+
+TEST(WireCloud, SharedPlanarIsThePlanarMessage) {
+  for (const bool color : {false, true}) {
+    Cloud cloud = small_cloud();
+    if (!color) cloud.rgb.clear();
+    const auto shared = std::make_shared<const Cloud>(cloud);
+    const OutgoingCloud out = share_planar(shared);
+    EXPECT_EQ(static_cast<const void*>(out.bytes->blocks()[0].data()), static_cast<const void*>(shared->x.data()));
+    v1::Cloud message = out.message;
+    const std::vector<std::string*> data = payload_blocks(message);
+    ASSERT_EQ(data.size(), out.bytes->blocks().size());
+    for (std::size_t i = 0; i < data.size(); ++i) *data[i] = out.bytes->blocks()[i];
+    EXPECT_EQ(message.SerializeAsString(), to_planar_message(cloud, v1::COMPRESSION_NONE).value().SerializeAsString());
+  }
+}
+
+TEST(WireCloud, BytesThatAreSentKeepTheirCloud) {
+  auto cloud = std::make_shared<const Cloud>(small_cloud());
+  const std::weak_ptr<const Cloud> watched = cloud;
+  std::optional<OutgoingCloud> out = share_planar(std::move(cloud));
+  EXPECT_FALSE(watched.expired());
+  out.reset();
+  EXPECT_TRUE(watched.expired());
+}
+
+TEST(WireCloud, PlanarWithoutColourAndWithASensor) {
+  Cloud cloud = small_cloud();
+  cloud.rgb.clear();
+  cloud.view = View::world(1, 2, 3);
+  const v1::Cloud message = to_planar_message(cloud, v1::COMPRESSION_ZSTD).value();
+  EXPECT_FALSE(message.planar().has_rgb());
+  const auto decoded = decode_cloud(message, kLimits);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  expect_same(decoded->cloud, cloud);
+}
+
+TEST(WireCloud, PcdFileTakesItsViewFromTheFileUnlessTold) {
+  const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinaryCompressed);
+  const v1::Cloud plain = to_pcd_message(file, std::nullopt);
+  const auto by_file = decode_cloud(plain, kLimits);
+  ASSERT_TRUE(by_file.ok()) << by_file.status();
+  expect_same(by_file->cloud, small_cloud());
+
+  const v1::Cloud told = to_pcd_message(file, View::world(0, 0, 5));
+  const auto by_request = decode_cloud(told, kLimits);
+  ASSERT_TRUE(by_request.ok()) << by_request.status();
+  EXPECT_EQ(by_request->cloud->view, View::world(0, 0, 5));
+  EXPECT_NE(by_request->view_rule, by_file->view_rule);
+}
+
+TEST(WireCloud, NamesEveryWrongFieldAtOnce) {
+  v1::Cloud message = planar();
+  message.set_width(0);
+  message.set_height(0);
+  message.clear_view();
+  EXPECT_THAT(wrong_fields(message), testing::UnorderedElementsAre("cloud.width", "cloud.height", "cloud.view"));
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_INVALID_FIELD);
+}
+
+TEST(WireCloud, NeedsAPayload) { EXPECT_THAT(wrong_fields({}), testing::ElementsAre("cloud.payload")); }
+
+TEST(WireCloud, JudgesTheView) {
+  v1::Cloud message = planar();
+  message.mutable_view()->mutable_sensor()->set_x(1);
+  EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.sensor"));
+  message.mutable_view()->set_kind(v1::VIEW_KIND_WORLD);
+  EXPECT_THAT(wrong_fields(message), testing::IsEmpty());
+  message.mutable_view()->mutable_sensor()->set_z(NAN);
+  EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.sensor"));
+  message.mutable_view()->set_kind(v1::VIEW_KIND_UNSPECIFIED);
+  EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
+  message.mutable_view()->set_kind(static_cast<v1::ViewKind>(9));
+  EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
+}
+
+TEST(WireCloud, RefusesPlanesOfAnotherLengthByName) {
+  v1::Cloud message = planar();
+  message.mutable_planar()->mutable_y()->mutable_data()->pop_back();
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_THAT(decode_cloud(message, kLimits).status().ToString(), HasSubstr("cloud.planar.y"));
+
+  message = planar();
+  message.mutable_planar()->clear_z();
+  EXPECT_THAT(decode_cloud(message, kLimits).status().ToString(), HasSubstr("cloud.planar.z"));
+}
+
+TEST(WireCloud, ShapeWhoseProductOverflowsIsOverTheLimit) {
+  v1::Cloud message = planar();
+  message.set_width(0xffffffff);
+  message.set_height(0xffffffff);
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_LIMIT_EXCEEDED);
+}
+
+TEST(WireCloud, LimitsAreNamedWithTheirValues) {
+  const v1::Cloud message = planar();
+  const absl::Status points = decode_cloud(message, {.max_points = 5, .max_bytes = 10'000}).status();
+  EXPECT_EQ(points.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(details_of(points).metadata,
+              testing::UnorderedElementsAre(testing::Pair("limit", "max_points"), testing::Pair("allowed", "5"),
+                                            testing::Pair("actual", "6")));
+  const absl::Status bytes = decode_cloud(message, {.max_points = 6, .max_bytes = 6 * 15 - 1}).status();
+  EXPECT_THAT(details_of(bytes).metadata, testing::Contains(testing::Pair("limit", "max_decoded_bytes")));
+  EXPECT_TRUE(decode_cloud(message, {.max_points = 6, .max_bytes = 6 * 15}).ok());
+}
+
+TEST(WireCloud, PcdOverTheLimitOfPointsIsSaidToBe) {
+  const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
+  EXPECT_EQ(reason_of(to_pcd_message(file, std::nullopt), {.max_points = 5, .max_bytes = 10'000}),
+            v1::ERROR_REASON_LIMIT_EXCEEDED);
+}
+
+TEST(WireCloud, TruncatedPcdIsMalformed) {
+  const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
+  EXPECT_EQ(reason_of(to_pcd_message(file.substr(0, file.size() - 1), std::nullopt)),
+            v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(to_pcd_message("", std::nullopt)), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+}
+
+TEST(WireCloud, ShapeOfARequestMustAgreeWithThePcdFile) {
+  const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
+  v1::Cloud message = to_pcd_message(file, std::nullopt);
+  message.set_width(3);
+  message.set_height(2);
+  EXPECT_TRUE(decode_cloud(message, kLimits).ok());
+  message.set_height(3);
+  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_INVALID_FIELD);
+}
+
+}  // namespace
+}  // namespace segserve::wire

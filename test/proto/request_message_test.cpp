@@ -1,0 +1,55 @@
+#include "proto/wire/request_message.hpp"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "proto/wire/cloud_message.hpp"
+#include "proto/wire/status_message.hpp"
+#include "test/proto/example_messages.hpp"
+
+namespace segserve::wire {
+namespace {
+
+v1::SegmentRequest good_request() {
+  v1::SegmentRequest request;
+  *request.mutable_cloud() = to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value();
+  return request;
+}
+
+TEST(WireRequest, WithoutOutputsMeansPlainLabels) {
+  const auto parsed = parse_request(good_request(), {});
+  ASSERT_TRUE(parsed.ok()) << parsed.status();
+  EXPECT_EQ(parsed->outputs, Outputs{});
+}
+
+TEST(WireRequest, OutputsRoundTrip) {
+  const Outputs outputs{
+      .labels = false, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD};
+  v1::SegmentRequest request = good_request();
+  *request.mutable_outputs() = to_message(outputs);
+  EXPECT_EQ(parse_request(request, {})->outputs, outputs);
+}
+
+TEST(WireRequest, CompressionsOfTheFutureAreNotChosen) {
+  v1::SegmentRequest request = good_request();
+  request.mutable_outputs()->add_accepted_compressions(static_cast<v1::Compression>(99));
+  EXPECT_EQ(parse_request(request, {})->outputs.compression, v1::COMPRESSION_NONE);
+}
+
+TEST(WireRequest, NamesEveryWrongFieldOfEveryPart) {
+  v1::SegmentRequest request = good_request();
+  request.set_request_id(std::string(257, 'x'));
+  request.mutable_cloud()->set_width(0);
+  request.mutable_options()->set_threshold(2);
+  const absl::Status status = parse_request(request, {}).status();
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_INVALID_FIELD);
+  std::vector<std::string> fields;
+  for (const FieldViolation& fault : details_of(status).fields) fields.push_back(fault.field);
+  EXPECT_THAT(fields, testing::UnorderedElementsAre("request_id", "cloud.width", "options.threshold"));
+}
+
+TEST(WireRequest, NeedsACloud) { EXPECT_EQ(details_of(parse_request({}, {}).status()).fields.at(0).field, "cloud"); }
+
+}  // namespace
+}  // namespace segserve::wire

@@ -1,0 +1,106 @@
+#include "proto/wire/status_message.hpp"
+
+#include <string>
+
+#include "gmock/gmock.h"
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+
+namespace segserve::wire {
+namespace {
+
+using testing::HasSubstr;
+
+absl::Status full_status() {
+  return with_details(absl::ResourceExhaustedError("full"), {.reason = v1::ERROR_REASON_QUEUE_FULL,
+                                                             .metadata = {{"limit", "max_queue"}},
+                                                             .fields = {{"a.b", "wrong"}, {"c", "too"}},
+                                                             .retry_delay = std::chrono::milliseconds(1500)});
+}
+
+TEST(WireStatus, OkIsOkBothWays) {
+  EXPECT_TRUE(to_grpc(absl::OkStatus()).ok());
+  EXPECT_TRUE(from_grpc(grpc::Status::OK).ok());
+  EXPECT_TRUE(with_reason(absl::OkStatus(), v1::ERROR_REASON_INTERNAL).ok());
+  EXPECT_TRUE(invalid_fields({}).ok());
+}
+
+TEST(WireStatus, EveryDetailSurvivesTheWire) {
+  const absl::Status status = from_grpc(to_grpc(full_status()));
+  EXPECT_EQ(status, full_status());
+  const ErrorDetails details = details_of(status);
+  EXPECT_EQ(details.reason, v1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(details.metadata.at("limit"), "max_queue");
+  ASSERT_EQ(details.fields.size(), 2U);
+  EXPECT_EQ(details.fields[0].field, "a.b");
+  EXPECT_EQ(details.fields[1].description, "too");
+  EXPECT_EQ(details.retry_delay, std::chrono::milliseconds(1500));
+}
+
+TEST(WireStatus, DetailsAreWhatGoogleRpcReadersExpect) {
+  google::rpc::Status message;
+  ASSERT_TRUE(message.ParseFromString(to_grpc(full_status()).error_details()));
+  EXPECT_EQ(message.code(), 8);
+  EXPECT_EQ(message.message(), "full");
+  google::rpc::ErrorInfo info;
+  bool found = false;
+  for (const auto& detail : message.details()) found = found || detail.UnpackTo(&info);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(info.reason(), "QUEUE_FULL");
+  EXPECT_EQ(info.domain(), "segserve");
+}
+
+TEST(WireStatus, TheFirstReasonWins) {
+  const absl::Status status = with_reason(full_status(), v1::ERROR_REASON_INTERNAL);
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_QUEUE_FULL);
+}
+
+TEST(WireStatus, ACodeImpliesItsReason) {
+  const auto reason = [](const absl::Status& status) { return details_of(from_grpc(to_grpc(status))).reason; };
+  EXPECT_EQ(reason(absl::CancelledError("x")), v1::ERROR_REASON_CANCELLED);
+  EXPECT_EQ(reason(absl::DeadlineExceededError("x")), v1::ERROR_REASON_DEADLINE_EXCEEDED);
+  EXPECT_EQ(reason(absl::UnavailableError("x")), v1::ERROR_REASON_DRAINING);
+}
+
+TEST(WireStatus, CodesThatTheApiDoesNotListAreInternal) {
+  const grpc::Status status = to_grpc(absl::NotFoundError("no such file"));
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::INTERNAL);
+  EXPECT_EQ(details_of(from_grpc(status)).reason, v1::ERROR_REASON_INTERNAL);
+}
+
+TEST(WireStatus, InvalidFieldsListsAllInTheMessage) {
+  const absl::Status status = invalid_fields({{"options.lambda", "2 is too much"}, {"cloud", "missing"}});
+  EXPECT_EQ(status.message(), "options.lambda: 2 is too much; cloud: missing");
+  EXPECT_EQ(details_of(status).fields.size(), 2U);
+}
+
+TEST(WireStatus, LimitExceededNamesLimitAndValues) {
+  const absl::Status status = limit_exceeded("the cloud has", 7, "points", "max_points", 5);
+  EXPECT_EQ(status.message(), "the cloud has 7 points, more than max_points = 5");
+  EXPECT_EQ(details_of(status).metadata.at("allowed"), "5");
+}
+
+TEST(WireStatus, GrpcsOwnRefusalOfALargeMessageIsOurs) {
+  const absl::Status status =
+      from_grpc({grpc::StatusCode::RESOURCE_EXHAUSTED, "Received message larger than max (10 vs. 9)"});
+  EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_THAT(std::string(status.message()), HasSubstr("10 vs. 9"));
+}
+
+TEST(WireStatus, ForeignAndBrokenDetailsAreDropped) {
+  const absl::Status broken = from_grpc({grpc::StatusCode::UNAVAILABLE, "no route", "\xff\xff garbage"});
+  EXPECT_EQ(broken, absl::UnavailableError("no route"));
+
+  google::rpc::Status message;
+  google::rpc::ErrorInfo info;
+  info.set_reason("QUEUE_FULL");
+  info.set_domain("example.com");
+  message.add_details()->PackFrom(info);
+  message.add_details()->set_type_url("type.googleapis.com/example.Unknown");
+  const absl::Status foreign = from_grpc({grpc::StatusCode::UNAVAILABLE, "x", message.SerializeAsString()});
+  EXPECT_EQ(details_of(foreign).reason, v1::ERROR_REASON_UNSPECIFIED);
+}
+
+}  // namespace
+}  // namespace segserve::wire
