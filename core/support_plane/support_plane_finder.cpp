@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/base/stop_check.hpp"
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 #include "core/math/symmetric_matrix3.hpp"
 
 namespace segserve {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 #include "fmt/format.h"
 
 namespace segserve::eval {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 #include "fmt/format.h"
 
 namespace segserve::eval {

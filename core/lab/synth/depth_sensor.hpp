@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 
 namespace segserve::synth {
 

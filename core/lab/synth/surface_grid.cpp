@@ -3,7 +3,7 @@
 #include <bit>
 #include <cmath>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 
 namespace segserve::synth {
 

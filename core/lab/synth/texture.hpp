@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "core/lab/base/random.hpp"
 #include "core/lab/synth/shape.hpp"
+#include "core/math/random.hpp"
 #include "core/math/vec3.hpp"
 
 namespace segserve::synth {

@@ -4,7 +4,7 @@
 
 #include <unordered_map>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 
 namespace segserve {
 namespace {

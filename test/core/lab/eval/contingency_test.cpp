@@ -4,7 +4,7 @@
 
 #include <numeric>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 
 namespace segserve::eval {
 namespace {

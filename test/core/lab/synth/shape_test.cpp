@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 
 namespace segserve::synth {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/lab/base/random.hpp"
+#include "core/math/random.hpp"
 
 #include <gtest/gtest.h>
 
