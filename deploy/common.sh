@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # What our scripts share; they run in the root of the repository.
 
@@ -7,8 +8,8 @@ cache_dir="${XDG_CACHE_HOME:-$HOME/.cache}/segserve"
 # ccache finds an object again in any clone: paths below the root count as relative.
 export CCACHE_DIR="${CCACHE_DIR:-$cache_dir/ccache}" CCACHE_BASEDIR="$PWD" CCACHE_NOHASHDIR=1 CCACHE_MAXSIZE="${CCACHE_MAXSIZE:-2G}" CCACHE_SLOPPINESS=pch_defines,time_macros
 
-# usage SCRIPT: the comment at its head.
-usage() { awk 'NR > 1 { if (!/^#/) exit; sub(/^# ?/, ""); print }' "$1"; }
+# usage SCRIPT: prints the comment at its head, without the license.
+usage() { awk 'NR > 1 && !/SPDX/ { if (!/^#/) exit; sub(/^# ?/, ""); print }' "$1"; }
 
 # stage NAME COMMAND..: runs it and remembers how long it took; stage_times prints all of them. Under `set -e` the command
 # is not caught here, so that a shell function of several steps ends, with the script, at the first that fails.
@@ -24,6 +25,35 @@ stage() {
   return $result
 }
 stage_times() { printf '%s\n' "${stage_log[@]}"; }
+
+# with_progress LOG COMMAND..: runs a build by ninja, its output in LOG, and shows how far it is: on a terminal in one line that
+# is rewritten, elsewhere by a line every 15 s. Its exit code; of a build that failed, the end of the log goes to standard error.
+with_progress() {
+  local log="$1" started=$SECONDS said=-15 step="" last=""
+  shift
+  "$@" > "$log" 2>&1 < /dev/null &
+  local pid=$!
+  while kill -0 "$pid" 2> /dev/null; do
+    sleep 0.5
+    step=$(tail -n 50 "$log" | grep -oE '^\[[0-9]+/[0-9]+\]' | tail -n 1 || true)
+    if [ -z "$step" ] || [ "$step" = "$last" ]; then continue; fi
+    if [ -t 1 ]; then
+      printf '\r  %s %d s ' "$step" "$((SECONDS - started))"
+      last="$step"
+    elif [ $((SECONDS - said)) -ge 15 ]; then
+      echo "  $step $((SECONDS - started)) s"
+      last="$step" said=$SECONDS
+    fi
+  done
+  if [ -t 1 ]; then printf '\r\033[K'; fi
+  local result=0
+  wait "$pid" || result=$?
+  if [ $result -ne 0 ]; then
+    tail -n 40 "$log" >&2
+    echo "The build failed; all of its output is in $log" >&2
+  fi
+  return $result
+}
 
 # start_server SEGSERVE FOLDER: starts the binary on a free loopback port, its log in FOLDER/server.log; sets server_pid and
 # server_address once it serves.

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy over our sources in a build folder (not the tests); what passed before is not looked at again.
+# SPDX-License-Identifier: Apache-2.0
+"""Runs clang-tidy over our sources in a build folder (not the tests).
 
-A source is looked at when it, a file it includes (ours or generated), its compiler command or a .clang-tidy has
-changed since it last passed. What passed is remembered in $XDG_CACHE_HOME/segserve/tidy, so it holds across build folders.
+Without --all it looks at the sources that changed since a base, and at one source that includes each changed header. A source
+that passed before is not looked at again until it, a file that it includes, its compiler command or a .clang-tidy changes; this
+is remembered in $XDG_CACHE_HOME/segserve/tidy and holds across build folders.
 """
 
 import argparse
@@ -61,6 +63,39 @@ def fingerprint(entry, files, tidy_version):
     return digest.hexdigest()
 
 
+def git(*arguments):
+    return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True, check=False).stdout.strip()
+
+
+def base_commit():
+    """The commit since which sources count as changed: $LINT_BASE, the fork from origin/main, or the last of the day before."""
+    wanted = os.environ.get("LINT_BASE") or git("merge-base", "HEAD", "origin/main")
+    if wanted and git("rev-parse", wanted) != git("rev-parse", "HEAD"):
+        return wanted
+    return git("rev-list", "-1", "--before=24 hours ago", "HEAD") or git("hash-object", "-t", "tree", "/dev/null")
+
+
+def changed_since(base):
+    """The files of ours that differ from the base, new ones too."""
+    names = git("diff", "--name-only", base).splitlines() + git("ls-files", "-o", "--exclude-standard").splitlines()
+    return {(ROOT / name).resolve() for name in names}
+
+
+def select_changed(sources, files, changed):
+    """The changed ones of the sources, and for each changed header without a changed source that includes it one that does.
+
+    `files`: source -> the files that it includes.
+    """
+    selected = {source for source in sources if source in changed}
+    covered = {path for source in selected for path in files.get(source, [])}
+    for header in sorted(path for path in changed if path.suffix in (".hpp", ".h") and path not in covered):
+        includer = next((source for source in sorted(sources) if header in files.get(source, [])), None)
+        if includer:
+            selected.add(includer)
+            covered.update(files[includer])
+    return selected
+
+
 def check(source, database):
     """The complaints about one source, "" if there are none."""
     result = subprocess.run(
@@ -74,6 +109,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("build", type=pathlib.Path, help="a build folder in which everything is built, with ninja")
     parser.add_argument("pattern", nargs="?", default="", help="only sources whose path contains this")
+    parser.add_argument("--all", action="store_true", help="all sources, not only those that changed")
+    parser.add_argument("--minutes", type=float, help="stop after this time and leave the rest to a later run")
     parser.add_argument("-j", "--jobs", type=int, default=len(os.sched_getaffinity(0)))
     arguments = parser.parse_args()
     build = arguments.build.resolve()
@@ -85,33 +122,37 @@ def main():
     database = build / "tidy"
     database.mkdir(exist_ok=True)
     (database / "compile_commands.json").write_text(json.dumps(commands))
-    files = included_files(build)
+    dependencies = included_files(build)
     version = subprocess.run([TIDY, "--version"], capture_output=True, check=True).stdout
-    todo = {}
-    passed_before = 0
+    entries = {}
     for entry in commands:
         source = pathlib.Path(entry["file"]).resolve()
-        if source.is_relative_to(build) or not source.is_relative_to(ROOT) or source.is_relative_to(ROOT / "test"):
-            continue
-        if arguments.pattern not in str(source.relative_to(ROOT)):
-            continue
-        key = fingerprint(entry, files.get(entry.get("output")), version)
-        if key and (CACHE / key).exists():
-            passed_before += 1
-        else:
-            todo[source] = key
+        if not source.is_relative_to(build) and source.is_relative_to(ROOT) and not source.is_relative_to(ROOT / "test"):
+            entries[source] = entry
+    files = {source: dependencies.get(entry.get("output")) or [] for source, entry in entries.items()}
+    wanted = {source for source in entries if arguments.pattern in str(source.relative_to(ROOT))}
+    if not arguments.all and not arguments.pattern:
+        base = base_commit()
+        wanted = select_changed(entries, files, changed_since(base))
+        print(f"clang-tidy: sources that changed since {base[:12]}")
+    keys = {source: fingerprint(entries[source], files[source], version) for source in sorted(wanted)}
+    todo = {source: key for source, key in keys.items() if not key or not (CACHE / key).exists()}
 
     CACHE.mkdir(parents=True, exist_ok=True)
-    failed = 0
+    deadline = started + 60 * arguments.minutes if arguments.minutes else float("inf")
+    failed, left = 0, 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        for (source, key), complaints in zip(todo.items(), pool.map(lambda s: check(s, database), todo)):
-            if complaints:
+        verdicts = pool.map(lambda source: check(source, database) if time.monotonic() < deadline else None, todo)
+        for (source, key), complaints in zip(todo.items(), verdicts):
+            if complaints is None:
+                left += 1
+            elif complaints:
                 failed += 1
                 print(f"{source.relative_to(ROOT)}:\n{complaints}\n", flush=True)
             elif key:
                 (CACHE / key).touch()
-    print(f"clang-tidy: {len(todo)} sources looked at, {failed} with faults, {passed_before} unchanged since they passed "
-          f"({time.monotonic() - started:.0f} s)")
+    print(f"clang-tidy: {len(todo) - left} sources looked at, {failed} with faults, {len(keys) - len(todo)} unchanged since they "
+          f"passed, {left} left for a run with more time ({time.monotonic() - started:.0f} s)")
     return 1 if failed else 0
 
 
