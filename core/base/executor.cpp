@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/executor.hpp"
 
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/partitioner.h>
 #include <oneapi/tbb/task_arena.h>
@@ -26,7 +28,9 @@ void observe(void*) {}
 }  // namespace
 
 struct Executor::Arena {
-  explicit Arena(unsigned threads) : tasks(static_cast<int>(threads)) {}
+  // TBB warns on stderr if it is asked for more threads than there are cores.
+  explicit Arena(unsigned threads)
+      : tasks(std::min(static_cast<int>(threads), oneapi::tbb::info::default_concurrency())) {}
   oneapi::tbb::task_arena tasks;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -7,14 +8,15 @@
 
 namespace segserve {
 
-/// The threads that work on one frame. They come from oneTBB, which keeps them between frames. One thread at a time may
-/// use an object.
+/// Runs the parts of a loop on several threads. The threads come from oneTBB, which keeps them between frames. One
+/// thread at a time may use an object.
 ///
 ///     Executor executor(4);
 ///     executor.for_each_range(points, [&](std::size_t begin, std::size_t end) { ... });
 class Executor {
  public:
-  /// Work is divided into `threads` parts, at least 1. With 1 everything runs on the caller's thread.
+  /// Work is divided into `threads` parts, at least 1. With 1 everything runs on the caller's thread. No more threads
+  /// run than there are cores, however many parts there are.
   explicit Executor(unsigned threads);
   ~Executor();
   Executor(Executor&&) noexcept;

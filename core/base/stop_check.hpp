@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <algorithm>
@@ -5,31 +6,43 @@
 #include <cstdint>
 #include <type_traits>
 
+#include "absl/status/status.h"
 #include "segserve/stop_token.hpp"
 
 namespace segserve {
 
-/// Within a stage: counts the work of one thread and looks at the token now and then. One object for a whole stage, as
-/// each does some work before its first look.
+/// Counts the work that one thread does within a stage, and looks at the token now and then. A stage uses one object
+/// from its beginning to its end, because each object lets some work pass before its first look.
+///
+///     absl::Status some_stage(const FrameContext& frame, const VoxelGrid& grid, Output& output) {
+///       StopCheck check(frame.stop);
+///       check.for_each(0, grid.size(), [&](std::size_t v) { ... });  // skipped once the frame is stopped
+///       return check.status();
+///     }
 class StopCheck {
  public:
-  /// `threads`: how many do this at the same time.
+  /// `threads` is the number of threads that work on the stage at the same time, each with a StopCheck.
   explicit StopCheck(const StopToken& stop, unsigned threads = 1)
       : stop_(stop), interval_(std::min<std::uint64_t>(kInterval, StopToken::kMostWorkAfterStop / 2 / threads)) {}
   ~StopCheck() { report(); }
   StopCheck(const StopCheck&) = delete;
   StopCheck& operator=(const StopCheck&) = delete;
 
-  /// `units` of work were done, or are done next. True: leave the stage.
+  /// Counts `units` of work that were done, or that come next. Returns whether the thread must leave the stage.
   bool after(std::uint64_t units) {
     pending_ += units;
     return pending_ >= interval_ ? look() : stopped_;
   }
-  /// Whether `after` has said so.
+  /// Whether the last look told the thread to leave the stage.
   bool stopped() const { return stopped_; }
+  /// The status that a stage ends with, after another look at the token: OK, CANCELLED or DEADLINE_EXCEEDED.
+  absl::Status status() {
+    report();
+    return stop_.check();
+  }
 
-  /// each(first, last) for consecutive blocks of [begin, end), one unit of work an index. For small loops: their
-  /// variables stay in registers.
+  /// Calls each(first, last) for consecutive blocks of [begin, end), until it is stopped. An index counts as one unit
+  /// of work. This serves small loops, whose variables then stay in registers.
   template <typename Each>
   bool for_each_block(std::size_t begin, std::size_t end, Each&& each) {
     while (begin < end && !stopped_) {
@@ -41,8 +54,8 @@ class StopCheck {
     return !stopped_;
   }
 
-  /// each(i) for all i in [begin, end). What it returns is the work it did; nothing: one unit. False: it was left
-  /// early.
+  /// Calls each(i) for the indices i in [begin, end), until it is stopped. each(i) may return the units of work that
+  /// it did; without a result it counts as one. Returns false if it was stopped.
   template <typename Each>
   bool for_each(std::size_t begin, std::size_t end, Each&& each) {
     std::size_t i = begin;
