@@ -1,6 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "absl/status/status.h"
 #include "core/base/executor.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/options.hpp"
@@ -8,16 +8,26 @@
 
 namespace segserve {
 
-/// All that a stage must know of the frame that is being segmented. The pipeline makes it once a frame, after it has
-/// checked cloud and options, and hands it to every stage. What it refers to outlives the call of the stage.
+/// All that a stage must know of the frame that is being segmented. The pipeline makes it once a frame and hands it to
+/// every stage as the first parameter, before the inputs and then the outputs.
 struct FrameContext {
-  const CloudView& cloud;
-  const Options& options;             ///< resolved: whatever the method has a default for is set
-  const SupervoxelOptions& settings;  ///< resolutions and weights of the supervoxels, from `options`
-  Executor& executor;
-  const StopToken& stop;
+  /// The options must be valid for the view of the cloud (`check`); those that are unset get the method's defaults
+  /// here. The memory of the cloud and `frame_executor` must outlive the context.
+  FrameContext(const CloudView& frame_cloud, const Options& requested, Executor& frame_executor,
+               const StopToken& stop_token = {})
+      : cloud(frame_cloud),
+        options(resolved(requested)),
+        settings(supervoxel_options(options)),
+        executor(frame_executor),
+        stop(stop_token) {}
 
   const View& view() const { return cloud.view; }
+
+  CloudView cloud;
+  Options options;             ///< resolved: every option for which the method has a default is set
+  SupervoxelOptions settings;  ///< resolutions and weights of the supervoxels, from `options`
+  Executor& executor;
+  StopToken stop;
 };
 
 }  // namespace segserve

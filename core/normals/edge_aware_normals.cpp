@@ -1,70 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/normals/edge_aware_normals.hpp"
 
 #include <algorithm>
 
-#include "core/base/parallel.hpp"
+#include "core/base/parallel_parts.hpp"
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/math/elementary.hpp"
 #include "core/normals/normal_orientation.hpp"
-#include "core/normals/two_ring_normals.hpp"
 
 namespace segserve {
 namespace {
 
-/// work(groups) for some groups at a time, those of each part on a thread of its own.
+/// Calls work(groups) for some groups of voxels at a time, each part on a thread of its own.
 template <typename Work>
-absl::Status for_groups(const VoxelWindows& windows, const StopToken& stop, Work&& work) {
+absl::Status for_groups(const FrameContext& frame, const Neighborhoods& neighborhoods, Work&& work) {
   constexpr std::size_t kMost = 16;
-  const auto threads = static_cast<unsigned>(windows.parts.size());
-  parallel_ranges(threads, threads, [&](std::size_t part, std::size_t) {
-    const auto& [groups, spans] = windows.parts[part];
-    StopCheck check(stop, threads);
+  const auto work_on_part = [&](const Neighborhoods::Part& part, StopCheck& check) {
+    const auto& [groups, spans] = part;
     for (std::size_t first = 0; first < groups.size(); first += kMost) {
       const WindowGroup* const begin = groups.data() + first;
       const WindowGroup* const end = groups.data() + std::min(first + kMost, groups.size());
-      std::uint64_t looked_at = 0;
-      for (const WindowGroup* group = begin; group < end; ++group)
-        looked_at += std::uint64_t{group->voxels.count} * group->candidates;
-      if (check.after(looked_at)) return;
+      std::uint64_t visits = 0;
+      for (const WindowGroup* group = begin; group < end; ++group) {
+        visits += std::uint64_t{group->voxels.count} * group->candidates;
+      }
+      if (check.after(visits)) return;
       work(WindowGroups{begin, end, spans.data()});
     }
-  });
-  return stop.check();
+  };
+  return parallel_parts(frame.executor, frame.stop, neighborhoods.parts.size(),
+                        [&](unsigned, std::size_t begin, std::size_t end, StopCheck& check) {
+                          for (std::size_t p = begin; p < end; ++p) work_on_part(neighborhoods.parts[p], check);
+                        });
 }
 
 }  // namespace
 
-absl::Status window_normals(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                            const StopToken& stop, const VoxelWindows& windows, std::vector<Vec3>& normals) {
+absl::Status EdgeAwareNormals::run(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                                   std::vector<Vec3>& normals) {
+  RETURN_IF_ERROR(find_neighborhoods(frame, grid, neighborhoods_));
+  RETURN_IF_ERROR(fit_neighborhood_normals(frame, grid, adjacency, neighborhoods_, normals));
+  if (frame.view().sensor) RETURN_IF_ERROR(orient_hidden_normals(frame, grid, adjacency, normals));
+  return refine_normals(frame, {}, neighborhoods_, normals);
+}
+
+absl::Status fit_neighborhood_normals(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                                      const Neighborhoods& neighborhoods, std::vector<Vec3>& normals) {
   const NormalKernels& kernels = normal_kernels();
-  const WindowColumns columns = windows.columns();
-  const Vec3 sensor = sensor_of(view);
+  const WindowColumns columns = neighborhoods.columns();
+  const bool has_sensor = frame.view().has_sensor();
+  const Vec3 sensor = sensor_of(frame.view());
   normals.resize(grid.size());
-  const absl::Status status = for_groups(windows, stop, [&](const WindowGroups& groups) {
+  RETURN_IF_ERROR(for_groups(frame, neighborhoods, [&](const WindowGroups& groups) {
     kernels.fit_windows(columns, groups, normals.data());
-    if (!view.has_sensor()) return;
+    if (!has_sensor) return;
     const std::uint32_t last = groups.end[-1].voxels.first + groups.end[-1].voxels.count;
     for (std::uint32_t v = groups.begin->voxels.first; v < last; ++v) {
       normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
     }
-  });
-  return status.ok() && !view.has_sensor() ? orient_consistently(adjacency, stop, normals) : status;
+  }));
+  return has_sensor ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
 }
 
-absl::Status refine_normals(const EdgeAwareOptions& options, const StopToken& stop, VoxelWindows& windows,
+absl::Status refine_normals(const FrameContext& frame, const RefinementOptions& options, Neighborhoods& neighborhoods,
                             std::vector<Vec3>& normals) {
   const NormalKernels& kernels = normal_kernels();
-  const bool complete = StopCheck(stop).for_each(0, normals.size(), [&](std::size_t v) {
-    windows.nx[v] = static_cast<float>(normals[v].x), windows.ny[v] = static_cast<float>(normals[v].y);
-    windows.nz[v] = static_cast<float>(normals[v].z);
+  StopCheck check(frame.stop);
+  check.for_each(0, normals.size(), [&](std::size_t v) {
+    neighborhoods.nx[v] = static_cast<float>(normals[v].x);
+    neighborhoods.ny[v] = static_cast<float>(normals[v].y);
+    neighborhoods.nz[v] = static_cast<float>(normals[v].z);
   });
-  if (!complete) return stop.check();
+  RETURN_IF_ERROR(check.status());
   const double radians = options.angle * math::kDegree;
   const RefitScales scales{static_cast<float>(2 / (radians * radians)),
                            static_cast<float>(1 / (2 * options.offset * options.offset)),
                            static_cast<float>(options.support)};
-  const WindowColumns columns = windows.columns();
-  return for_groups(windows, stop, [&](const WindowGroups& groups) {
+  const WindowColumns columns = neighborhoods.columns();
+  return for_groups(frame, neighborhoods, [&](const WindowGroups& groups) {
     kernels.refit_windows(columns, scales, groups, normals.data());
   });
 }

@@ -1,47 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/normals/normal_orientation.hpp"
 
-#include <cmath>
 #include <functional>
 #include <queue>
 #include <tuple>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/normals/visibility.hpp"
 
 namespace segserve {
 namespace {
 
-/// Hands sides on from voxel to voxel, always over the edge of the most parallel normals.
+/// Hands the sides of normals on from voxel to voxel, always over the edge of the most parallel normals.
 class Propagation {
  public:
-  /// `known`: voxels whose normals have the right side.
-  Propagation(const VoxelAdjacency& adjacency, const StopToken& stop, std::vector<bool> known,
-              std::vector<Vec3>& normals)
-      : adjacency_(adjacency), stop_(stop), check_(stop), normals_(normals), reached_(std::move(known)) {}
+  /// `known` tells which normals have the right side.
+  Propagation(const VoxelAdjacency& adjacency, std::vector<bool> known, StopCheck& check, std::vector<Vec3>& normals)
+      : adjacency_(adjacency), check_(check), normals_(normals), reached_(std::move(known)) {}
 
-  /// From what is known to all that it is connected with.
-  absl::Status spread_known() {
+  /// Hands the known sides on to all voxels that are connected with them.
+  void spread_known() {
     for (std::uint32_t v = 0; v < normals_.size() && !check_.after(1); ++v) {
       if (reached_[v]) add_edges(v);
     }
     component_.clear();
-    return drain();
+    empty_frontier();
   }
 
-  /// Each component not reached yet starts from its smallest voxel, and is turned as a whole unless `keeps_side`.
+  /// Makes each component that is not reached yet consistent, from its smallest voxel on, and turns it as a whole
+  /// unless keeps_side(component).
   template <typename KeepsSide>
-  absl::Status orient_the_rest(KeepsSide&& keeps_side) {
+  void orient_the_rest(KeepsSide&& keeps_side) {
     for (std::uint32_t v = 0; v < normals_.size() && !check_.after(1); ++v) {
       if (reached_[v]) continue;
       component_.clear();
       reach(v);
-      if (absl::Status status = drain(); !status.ok()) return status;
-      if (keeps_side(component_, check_)) continue;
+      empty_frontier();
+      if (keeps_side(component_)) continue;
       check_.for_each(0, component_.size(),
                       [this](std::size_t i) { normals_[component_[i]] = -normals_[component_[i]]; });
     }
-    return stop_.check();
   }
 
  private:
@@ -51,16 +51,14 @@ class Propagation {
     bool operator>(const Step& o) const { return std::tie(cost, from, to) > std::tie(o.cost, o.from, o.to); }
   };
 
-  absl::Status drain() {
-    while (!frontier_.empty()) {
-      if (check_.after(1)) return stop_.check();
+  void empty_frontier() {
+    while (!frontier_.empty() && !check_.after(1)) {
       const Step edge = frontier_.top();
       frontier_.pop();
       if (reached_[edge.to]) continue;
       if (dot(normals_[edge.from], normals_[edge.to]) < 0) normals_[edge.to] = -normals_[edge.to];
       reach(edge.to);
     }
-    return absl::OkStatus();
   }
 
   void reach(std::uint32_t v) {
@@ -77,8 +75,7 @@ class Propagation {
   }
 
   const VoxelAdjacency& adjacency_;
-  const StopToken& stop_;
-  StopCheck check_;
+  StopCheck& check_;
   std::vector<Vec3>& normals_;
   std::vector<bool> reached_;
   std::vector<std::uint32_t> component_;
@@ -87,37 +84,46 @@ class Propagation {
 
 }  // namespace
 
-absl::Status orient_consistently(const VoxelAdjacency& adjacency, const StopToken& stop, std::vector<Vec3>& normals) {
-  Propagation propagation(adjacency, stop, std::vector<bool>(normals.size(), false), normals);
-  return propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component, StopCheck& check) {
+Vec3 sensor_of(const View& view) {
+  return view.sensor ? Vec3{(*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]} : Vec3{};
+}
+
+absl::Status orient_consistently(const FrameContext& frame, const VoxelAdjacency& adjacency,
+                                 std::vector<Vec3>& normals) {
+  StopCheck check(frame.stop);
+  Propagation propagation(adjacency, std::vector<bool>(normals.size(), false), check, normals);
+  propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
     Vec3 sum;
     check.for_each(0, component.size(), [&](std::size_t i) { sum += normals[component[i]]; });
     return std::tie(sum.z, sum.y, sum.x) >= std::make_tuple(0.0, 0.0, 0.0);
   });
+  return check.status();
 }
 
-absl::Status orient_hidden(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const View& view,
-                           double voxel_resolution, const StopToken& stop, std::vector<Vec3>& normals) {
-  constexpr double kGrazing = 0.3;  // cosine below which a side says little
-  const Vec3 sensor{(*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]};
+absl::Status orient_hidden_normals(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                                   std::vector<Vec3>& normals) {
+  constexpr double kGrazing = 0.3;  // cosine below which the side that faces the sensor says little
+  const Vec3 sensor = sensor_of(frame.view());
   const auto facing = [&](std::uint32_t v) { return dot(normals[v], unit(sensor - grid.centroid[v])); };
-  const std::vector<bool> seen = seen_from(sensor, grid, voxel_resolution, stop);
+  std::vector<bool> visible;
+  RETURN_IF_ERROR(find_visible_voxels(frame, grid, visible));
+  StopCheck check(frame.stop);
   std::vector<bool> known(grid.size());
-  StopCheck(stop).for_each(0, grid.size(), [&](std::size_t i) {
+  check.for_each(0, grid.size(), [&](std::size_t i) {
     const auto v = static_cast<std::uint32_t>(i);
-    bool sure = seen[v] && facing(v) >= kGrazing;
-    for (const std::uint32_t u : adjacency.of(v)) sure = sure && seen[u];
+    bool sure = visible[v] && facing(v) >= kGrazing;
+    for (const std::uint32_t u : adjacency.of(v)) sure = sure && visible[u];
     known[v] = sure;
     return 1 + adjacency.of(v).size();
   });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
-  Propagation propagation(adjacency, stop, std::move(known), normals);
-  if (absl::Status status = propagation.spread_known(); !status.ok()) return status;
-  return propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component, StopCheck& check) {
+  Propagation propagation(adjacency, std::move(known), check, normals);
+  propagation.spread_known();
+  propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
     double sum = 0;
     check.for_each(0, component.size(), [&](std::size_t i) { sum += facing(component[i]); });
     return sum >= 0;
   });
+  return check.status();
 }
 
 }  // namespace segserve

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/normals/visibility.hpp"
 
 #include <algorithm>
@@ -7,23 +8,24 @@
 #include <limits>
 
 #include "core/base/stop_check.hpp"
+#include "core/normals/normal_orientation.hpp"
 
 namespace segserve {
 namespace {
 
-/// Least distance in every direction, on the faces of a cube around the sensor.
+/// The least distance in every direction, on the faces of a cube around the sensor.
 class DirectionCube {
  public:
-  /// Returns the number of cells.
+  /// Enters a ball of `radius` at `offset` from the sensor. Returns the number of cells that it covers.
   std::uint64_t cover(const Vec3& offset, float distance, double radius) {
-    const Spot s = spot(offset);
-    // Few voxels are so near that they would cover more; the rest of their cells stays open.
+    const Cell s = cell_of(offset);
+    // Few voxels are so near that they would cover more. The rest of their cells is left out.
     constexpr int kMost = 32;
     const double cells = 0.5 * kEdge * radius / s.depth;
     const int r = static_cast<int>(std::min<double>(cells, kMost));
     for (int v = std::max(s.v - r, 0); v <= std::min(s.v + r, kEdge - 1); ++v) {
       for (int u = std::max(s.u - r, 0); u <= std::min(s.u + r, kEdge - 1); ++u) {
-        float& nearest = nearest_[index(s.face, u, v)];
+        float& nearest = nearest_[position(s.face, u, v)];
         nearest = std::min(nearest, distance);
       }
     }
@@ -31,31 +33,31 @@ class DirectionCube {
   }
 
   float nearest(const Vec3& offset) const {
-    const Spot s = spot(offset);
-    return nearest_[index(s.face, s.u, s.v)];
+    const Cell s = cell_of(offset);
+    return nearest_[position(s.face, s.u, s.v)];
   }
 
  private:
   static constexpr int kEdge = 512;
 
-  struct Spot {
+  struct Cell {
     int face, u, v;
     double depth;  // along the axis of the face
   };
 
-  static std::size_t index(int face, int u, int v) {
+  static std::size_t position(int face, int u, int v) {
     return (static_cast<std::size_t>(face) * kEdge + static_cast<std::size_t>(v)) * kEdge + static_cast<std::size_t>(u);
   }
 
-  static Spot spot(const Vec3& d) {
+  static Cell cell_of(const Vec3& d) {
     const double x = std::fabs(d.x), y = std::fabs(d.y), z = std::fabs(d.z);
     const double depth = std::max({x, y, z, 1e-9});
-    const auto cell = [&](double across) {
+    const auto index = [&](double across) {
       return std::min(static_cast<int>((across / depth + 1) * (0.5 * kEdge)), kEdge - 1);
     };
-    if (x >= y && x >= z) return {d.x < 0 ? 1 : 0, cell(d.y), cell(d.z), depth};
-    if (y >= z) return {d.y < 0 ? 3 : 2, cell(d.x), cell(d.z), depth};
-    return {d.z < 0 ? 5 : 4, cell(d.x), cell(d.y), depth};
+    if (x >= y && x >= z) return {d.x < 0 ? 1 : 0, index(d.y), index(d.z), depth};
+    if (y >= z) return {d.y < 0 ? 3 : 2, index(d.x), index(d.z), depth};
+    return {d.z < 0 ? 5 : 4, index(d.x), index(d.y), depth};
   }
 
   std::vector<float> nearest_ =
@@ -64,21 +66,23 @@ class DirectionCube {
 
 }  // namespace
 
-std::vector<bool> seen_from(const Vec3& sensor, const VoxelGrid& grid, double voxel_resolution, const StopToken& stop) {
+absl::Status find_visible_voxels(const FrameContext& frame, const VoxelGrid& grid, std::vector<bool>& visible) {
   constexpr double kMargin = 2;  // voxels
+  const double voxel = frame.settings.voxel_resolution;
+  const Vec3 sensor = sensor_of(frame.view());
   DirectionCube cube;
   std::vector<float> distance(grid.size());
-  StopCheck check(stop);
+  StopCheck check(frame.stop);
   check.for_each(0, grid.size(), [&](std::size_t v) {
     const Vec3 offset = grid.centroid[v] - sensor;
     distance[v] = static_cast<float>(norm(offset));
-    return cube.cover(offset, distance[v], voxel_resolution);
+    return cube.cover(offset, distance[v], voxel);
   });
-  std::vector<bool> seen(grid.size());
+  visible.resize(grid.size());
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    seen[v] = distance[v] <= cube.nearest(grid.centroid[v] - sensor) + kMargin * voxel_resolution;
+    visible[v] = distance[v] <= cube.nearest(grid.centroid[v] - sensor) + kMargin * voxel;
   });
-  return seen;
+  return check.status();
 }
 
 }  // namespace segserve

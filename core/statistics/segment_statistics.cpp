@@ -5,7 +5,8 @@
 #include <utility>
 
 #include "absl/numeric/int128.h"
-#include "core/base/parallel.hpp"
+#include "core/base/parallel_parts.hpp"
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/math/symmetric_matrix3.hpp"
 #include "fmt/format.h"
@@ -91,15 +92,14 @@ struct Reach {
 /// The points by segment, in runs of one label.
 class Passes {
  public:
-  Passes(std::span<const std::uint32_t> labels, std::uint32_t segments, unsigned threads, const StopToken& stop)
-      : labels_(labels), segments_(segments), threads_(threads), stop_(stop) {}
+  Passes(std::span<const std::uint32_t> labels, std::uint32_t segments, Executor& executor, const StopToken& stop)
+      : labels_(labels), segments_(segments), executor_(executor), stop_(stop) {}
 
   /// One pass: of_run(s, begin, end) gives the part that points [begin, end) have in the sum of segment s + 1.
   template <typename Sum, typename OfRun>
-  std::vector<Sum> sum(OfRun&& of_run) const {
-    std::vector<std::vector<Sum>> parts(threads_, std::vector<Sum>(segments_));
-    parallel_parts(labels_.size(), threads_, [&](unsigned part, std::size_t begin, std::size_t end) {
-      StopCheck check(stop_, threads_);
+  absl::StatusOr<std::vector<Sum>> sum(OfRun&& of_run) const {
+    std::vector<std::vector<Sum>> parts(executor_.threads(), std::vector<Sum>(segments_));
+    const auto sum_part = [&](std::vector<Sum>& sums, std::size_t begin, std::size_t end, StopCheck& check) {
       for (std::size_t i = begin; i < end;) {
         const std::size_t last = std::min(i + kRun, end);
         if (check.after(last - i)) return;
@@ -107,21 +107,26 @@ class Passes {
           const std::size_t run = i;
           while (i < last && labels_[i] == labels_[run]) ++i;
           const std::uint32_t s = labels_[run] - 1;  // beyond all segments for label 0
-          if (s < segments_) parts[part][s].add(of_run(s, run, i));
+          if (s < segments_) sums[s].add(of_run(s, run, i));
         }
       }
-    });
+    };
+    RETURN_IF_ERROR(parallel_parts(executor_, stop_, labels_.size(),
+                                   [&](unsigned part, std::size_t begin, std::size_t end, StopCheck& check) {
+                                     sum_part(parts[part], begin, end, check);
+                                   }));
     StopCheck check(stop_);
-    for (unsigned part = 1; part < threads_; ++part) {
+    for (std::size_t part = 1; part < parts.size(); ++part) {
       check.for_each(0, segments_, [&](std::size_t s) { parts[0][s].add(parts[part][s]); });
     }
+    RETURN_IF_ERROR(check.status());
     return std::move(parts[0]);
   }
 
  private:
   std::span<const std::uint32_t> labels_;
   std::uint32_t segments_;
-  unsigned threads_;
+  Executor& executor_;
   const StopToken& stop_;
 };
 
@@ -245,16 +250,19 @@ absl::StatusOr<std::vector<SegmentStatistics>> describe_segments(const CloudView
                                                                  const StopToken& stop) {
   if (absl::Status status = check_input(cloud, labels, segments); !status.ok()) return status;
   if (segments == 0) return std::vector<SegmentStatistics>();
-  const Passes passes(labels, segments, threads, stop);
-  const std::vector<Bounds> bounds = passes.sum<Bounds>(
-      [&](std::uint32_t, std::size_t begin, std::size_t end) { return bounds_of_run(cloud, begin, end); });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  Executor executor(threads);
+  const Passes passes(labels, segments, executor, stop);
+  ASSIGN_OR_RETURN(const std::vector<Bounds> bounds,
+                   passes.sum<Bounds>([&](std::uint32_t, std::size_t begin, std::size_t end) {
+                     return bounds_of_run(cloud, begin, end);
+                   }));
   if (!std::ranges::all_of(bounds, &Bounds::finite)) return not_finite(cloud, labels, segments);
 
   const std::vector<Grid> grids(bounds.begin(), bounds.end());
-  const std::vector<Moments> moments = passes.sum<Moments>(
-      [&](std::uint32_t s, std::size_t begin, std::size_t end) { return moments_of_run(cloud, grids[s], begin, end); });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const std::vector<Moments> moments,
+                   passes.sum<Moments>([&](std::uint32_t s, std::size_t begin, std::size_t end) {
+                     return moments_of_run(cloud, grids[s], begin, end);
+                   }));
 
   std::vector<SegmentStatistics> result(segments);
   StopCheck check(stop);
@@ -268,14 +276,16 @@ absl::StatusOr<std::vector<SegmentStatistics>> describe_segments(const CloudView
     segment.box.axes = principal_axes(covariance(m, b.points));
     if (cloud.has_color()) segment.color = mean(to_vec3(b.color[0], b.color[1], b.color[2]), b.points);
   });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  RETURN_IF_ERROR(check.status());
 
-  const std::vector<Reach> reach = passes.sum<Reach>(
-      [&](std::uint32_t s, std::size_t begin, std::size_t end) { return reach_of_run(cloud, result[s], begin, end); });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const std::vector<Reach> reach,
+                   passes.sum<Reach>([&](std::uint32_t s, std::size_t begin, std::size_t end) {
+                     return reach_of_run(cloud, result[s], begin, end);
+                   }));
   check.for_each(0, segments, [&](std::size_t s) {
     if (result[s].points > 0) close_box(reach[s], result[s]);
   });
+  RETURN_IF_ERROR(check.status());
   return result;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <bit>
@@ -8,19 +9,20 @@
 
 namespace segserve {
 
-/// How points become cells and fixed-point coordinates (the kernel find_cells does it). The fixed-point unit is the
-/// power of two below voxel / 4096 (2 micrometres at 8 mm), the range 2^30 units on either side.
+/// The constants by which the kernel find_cells turns points into cells and fixed-point coordinates. The unit of the
+/// fixed-point coordinates is the greatest power of two that is not above voxel / 4096 (2 micrometers at 8 mm); their
+/// range is 2^30 units on either side of 0.
 struct CellMapping {
   explicit CellMapping(double resolution)
       : cells_per_metre(static_cast<float>(1 / resolution)), units_per_metre(unit_scale(resolution)) {}
 
   double unit() const { return 1 / static_cast<double>(units_per_metre); }
-  /// Coordinates must be below this in magnitude, metres.
+  /// Coordinates must be below this in magnitude, meters.
   float coordinate_limit() const { return kUnitLimit / units_per_metre; }
 
   static constexpr float kUnitLimit = 1073741824.0F;                      // 2^30
-  static constexpr float kCellLimit = static_cast<float>(kCellBias - 2);  // neighbours never leave the 21 bits
-  static constexpr float kSmallestDepth = 1.1754944e-38F;  // below it, numbers are subnormal and ln is not defined
+  static constexpr float kCellLimit = static_cast<float>(kCellBias - 2);  // Neighbors never leave the 21 bits.
+  static constexpr float kSmallestDepth = 1.1754944e-38F;  // Below it, numbers are subnormal and ln is not defined.
 
   const float cells_per_metre;
   const float units_per_metre;

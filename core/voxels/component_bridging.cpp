@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/component_bridging.hpp"
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 namespace segserve {
 namespace {
 
-/// Connected components with their areas, named by their smallest voxel.
+/// Connected components with their areas. The smallest voxel of a component is its name.
 class Components {
  public:
   explicit Components(std::vector<double> area) : parent_(area.size()), area_(std::move(area)) {
@@ -25,7 +26,7 @@ class Components {
   }
   double area(std::uint32_t component) const { return area_[component]; }
 
-  /// Returns the component of both.
+  /// Unites the components of u and v, and returns the united one.
   std::uint32_t unite(std::uint32_t u, std::uint32_t v) {
     const auto [a, b] = std::minmax({of(u), of(v)});
     if (a == b) return a;
@@ -34,7 +35,7 @@ class Components {
     return a;
   }
 
-  /// Unites v with its neighbours before it. Most of those hang on its component's name already.
+  /// Unites v with its neighbors before it, most of which are in one component already.
   void unite(std::uint32_t v, std::span<const std::uint32_t> neighbors) {
     std::uint32_t component = v;
     for (const std::uint32_t u : neighbors) {
@@ -48,11 +49,11 @@ class Components {
   std::vector<double> area_;
 };
 
-Components components_of(const VoxelGrid& grid, const View& view, double voxel_resolution,
-                         const VoxelAdjacency& adjacency, StopCheck& check) {
+Components components_of(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                         StopCheck& check) {
   std::vector<double> area(grid.size());
   check.for_each(0, area.size(), [&](std::size_t v) {
-    const double edge = voxel_edge(voxel_resolution, view, grid.centroid[v]);
+    const double edge = voxel_edge(frame.settings.voxel_resolution, frame.view(), grid.centroid[v]);
     area[v] = edge * edge;
   });
   Components components(std::move(area));
@@ -69,7 +70,7 @@ struct Bridge {
   auto operator<=>(const Bridge&) const = default;
 };
 
-/// Calls back for every voxel at most `reach` cells from v, ascending, v included.
+/// Calls callback(u) for every voxel u at most `reach` cells from v, in ascending order, v included.
 template <typename Callback>
 void for_block_around(const VoxelGrid& grid, std::uint32_t v, int reach, Callback&& callback) {
   constexpr std::int64_t kRowStep = std::int64_t{1} << kCellBits;
@@ -85,7 +86,7 @@ void for_block_around(const VoxelGrid& grid, std::uint32_t v, int reach, Callbac
   }
 }
 
-/// Both directions of each bridge; ascending and distinct.
+/// The bridges in both directions, ascending and distinct.
 std::vector<Bridge> both_ways(const std::vector<Bridge>& bridges, StopCheck& check) {
   std::vector<std::uint64_t> keys;
   keys.reserve(2 * bridges.size());
@@ -106,7 +107,7 @@ std::vector<Bridge> both_ways(const std::vector<Bridge>& bridges, StopCheck& che
   return result;
 }
 
-/// Both ends of each bridge become neighbours of one another.
+/// Makes both ends of each bridge neighbors of one another.
 void add_bridges(const std::vector<Bridge>& one_way, StopCheck& check, VoxelAdjacency& adjacency) {
   const std::vector<Bridge> bridges = both_ways(one_way, check);
   VoxelAdjacency result;
@@ -130,38 +131,38 @@ void add_bridges(const std::vector<Bridge>& one_way, StopCheck& check, VoxelAdja
 
 }  // namespace
 
-absl::Status bridge_islands(const VoxelGrid& grid, const View& view, double voxel_resolution,
-                            const IslandOptions& options, const StopToken& stop, VoxelAdjacency& adjacency) {
-  StopCheck check(stop);
-  Components components = components_of(grid, view, voxel_resolution, adjacency, check);
-  const auto is_island = [&](std::uint32_t component) { return components.area(component) < options.area; };
-  std::vector<std::uint32_t> on_islands(grid.size());
-  std::iota(on_islands.begin(), on_islands.end(), 0U);
+absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid, const BridgingOptions& options,
+                               VoxelAdjacency& adjacency) {
+  StopCheck check(frame.stop);
+  Components components = components_of(frame, grid, adjacency, check);
+  const auto is_small = [&](std::uint32_t component) { return components.area(component) < options.area; };
+  std::vector<std::uint32_t> in_small(grid.size());  // the voxels of small components
+  std::iota(in_small.begin(), in_small.end(), 0U);
   std::vector<Bridge> bridges;
   for (int reach = 2; reach <= options.reach; ++reach) {
     std::size_t left = 0;
-    check.for_each(0, on_islands.size(), [&](std::size_t i) {
-      if (is_island(components.of(on_islands[i]))) on_islands[left++] = on_islands[i];
+    check.for_each(0, in_small.size(), [&](std::size_t i) {
+      if (is_small(components.of(in_small[i]))) in_small[left++] = in_small[i];
     });
-    on_islands.resize(left);
+    in_small.resize(left);
     const std::size_t first = bridges.size();
-    check.for_each(0, on_islands.size(), [&](std::size_t i) {
+    check.for_each(0, in_small.size(), [&](std::size_t i) {
       const auto width = static_cast<std::uint64_t>(2 * reach) + 1;
-      std::uint64_t visits = width * width;  // rows
-      const std::uint32_t v = on_islands[i], home = components.of(v);
+      std::uint64_t visits = width * width;  // rows of cells
+      const std::uint32_t v = in_small[i], home = components.of(v);
       for_block_around(grid, v, reach, [&](std::uint32_t u) {
         ++visits;
         const std::uint32_t other = components.of(u);
-        // Of two islands, each finds the other.
-        if (other != home && (u > v || !is_island(other))) bridges.push_back({v, u});
+        // Two small components find each other, so that one bridge would be found twice.
+        if (other != home && (u > v || !is_small(other))) bridges.push_back({v, u});
       });
       return visits;
     });
-    // Only now, so that what a voxel finds does not depend on its turn.
+    // Components are united after the search, so that the bridges do not depend on the order of the voxels.
     check.for_each(first, bridges.size(), [&](std::size_t i) { components.unite(bridges[i].from, bridges[i].to); });
   }
   if (!bridges.empty() && !check.stopped()) add_bridges(bridges, check, adjacency);
-  return stop.check();
+  return check.status();
 }
 
 }  // namespace segserve

@@ -1,24 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/status.h"
+#include "core/base/frame_context.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
 #include "core/voxels/voxel_grid.hpp"
-#include "segserve/cloud.hpp"
-#include "segserve/stop_token.hpp"
 
 namespace segserve {
 
-/// What is an island, and how far it looks for land.
-struct IslandOptions {
-  double area = 12e-4;  ///< m^2; a connected component of less is an island
-  int reach = 4;        ///< voxels
+struct BridgingOptions {
+  double area = 12e-4;  ///< m^2; a connected component of less is small, and looks for others
+  int reach = 4;        ///< how far a small component looks at most, voxels
 };
 
-/// Where a surface is sparser than the voxels, its voxels do not touch one another. Makes the voxels of islands
-/// neighbours of those of other components at most 2 voxels away (in the largest of the three directions); what is an
-/// island still then looks 3 voxels far, and so on up to `reach`. Larger components stay as they are: a gap
-/// between two of them is one. O(V + E), and O(reach^2 log V) for a voxel of an island. CANCELLED, DEADLINE_EXCEEDED.
-absl::Status bridge_islands(const VoxelGrid& grid, const View& view, double voxel_resolution,
-                            const IslandOptions& options, const StopToken& stop, VoxelAdjacency& adjacency);
+/// Joins connected components that sampling tore apart: where a surface is sparser than the voxels, its voxels do not
+/// touch one another. Makes the voxels of small components neighbors of voxels of other components at most 2 voxels
+/// away (in the largest of the three directions). A component that is small still looks 3 voxels far, and so on up to
+/// `reach`. A gap between two larger components stays.
+/// O(V + E), and O(reach^2 log V) for each voxel of a small component. CANCELLED, DEADLINE_EXCEEDED.
+absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid, const BridgingOptions& options,
+                               VoxelAdjacency& adjacency);
 
 }  // namespace segserve

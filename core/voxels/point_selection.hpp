@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <algorithm>
@@ -11,16 +12,16 @@
 
 namespace segserve {
 
-/// Which points are segmented at all: those in the crop box and in range of the sensor, both closed. Loops over
-/// points (the kernel find_cells) compare in single precision, twice as fast as in double: the box is exact all the
-/// same, as its limits are rounded inwards; distances have the error of a float.
-class Selection {
+/// Selects the points that are segmented at all: those in the crop box and in range of the sensor, both closed. The
+/// kernel find_cells compares in single precision, which is faster. The box is exact all the same, because its limits
+/// are rounded inwards; distances have the error of a float.
+class PointSelection {
  public:
   /// Selects every point.
-  Selection() = default;
+  PointSelection() = default;
 
-  /// As the options say; they must be valid in this view.
-  Selection(const Options& options, const View& view)
+  /// Selects as the options say, which must be valid in this view.
+  PointSelection(const Options& options, const View& view)
       : limits_{.low = {not_below(options.crop_min_x), not_below(options.crop_min_y), not_below(options.crop_min_z)},
                 .high = {not_above(options.crop_max_x), not_above(options.crop_max_y), not_above(options.crop_max_z)},
                 .sensor = {},
@@ -41,11 +42,12 @@ class Selection {
   static constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
   static float squared(double limit) { return static_cast<float>(limit * limit); }
-  /// The smallest float that is not below the limit, and the greatest that is not above.
+  /// The smallest float that is not below the limit; -infinity without a limit.
   static float not_below(std::optional<double> limit) {
     const auto rounded = static_cast<float>(limit.value_or(-kInfinity));
     return limit && rounded < *limit ? std::nextafter(rounded, kInfinity) : rounded;
   }
+  /// The greatest float that is not above the limit; infinity without a limit.
   static float not_above(std::optional<double> limit) {
     const auto rounded = static_cast<float>(limit.value_or(kInfinity));
     return limit && rounded > *limit ? std::nextafter(rounded, -kInfinity) : rounded;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/range_voxelizer.hpp"
 
 #include "core/base/stop_check.hpp"
@@ -19,7 +20,7 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check) {
   }
 }
 
-/// False: a point of the chunk has no cell.
+/// Returns false if a point of the chunk has no cell.
 bool RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
   const CellInput in{cloud_.x.data() + first,
                      cloud_.y.data() + first,
@@ -39,7 +40,8 @@ void RangeVoxelizer::count_finite(std::size_t first, std::size_t count) {
   }
 }
 
-/// Neighbouring points mostly share a voxel: one look-up for each run of equal keys. Returns the number of runs.
+/// Neighboring points mostly share a voxel, so the table is asked once for each run of equal keys. Returns the number
+/// of runs.
 std::size_t RangeVoxelizer::find_runs(std::size_t first, std::size_t count) {
   const std::uint32_t* const rgb = cloud_.has_color() ? cloud_.rgb.data() + first : nullptr;
   return kernels_.find_runs({keys_.data(), x_.data(), y_.data(), z_.data(), rgb}, count,
@@ -65,7 +67,7 @@ void RangeVoxelizer::find_slots(std::size_t runs) {
       part_.table.voxel(slot).add(sums_[run], sums_[run + 1], end - begin);
       finite += end - begin;
     }
-    // Eight at once, whether the run is as long or not: the next one overwrites the rest.
+    // Writes eight entries at a time, however long the run is: the next run overwrites the rest.
     for (std::size_t i = begin; i < end; i += kRoom) std::fill_n(&slots_[i], kRoom, slot);
   }
   if (selection_.all()) part_.finite_points += finite;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <algorithm>
@@ -11,23 +12,23 @@
 #include "core/voxels/simd/voxel_kernels.hpp"
 #include "core/voxels/voxel_table.hpp"
 #include "segserve/cloud.hpp"
-#include "segserve/stop_token.hpp"
 
 namespace segserve {
 
-/// What one thread gathers.
-struct VoxelPart {
+/// The voxels of a part of the cloud, as one thread gathers them.
+struct PartialVoxels {
   VoxelTable table;
-  std::size_t first_invalid = SIZE_MAX;
+  std::size_t first_invalid = SIZE_MAX;  ///< the first selected point that has no cell, or SIZE_MAX
   std::size_t finite_points = 0;
 };
 
-/// Voxelises a contiguous range of points, in chunks that stay in the first cache. `slot_of_point` grows as far as it
-/// has to; where several do this at the same time, it has the slots of all points from the start.
+/// Voxelizes a contiguous range of points, in chunks that stay in the first cache. Writes the slots of the points in
+/// the table of `part` to `slot_of_point`, which grows as far as it has to; if several threads do this at the same
+/// time, it must have room for all points from the start.
 class RangeVoxelizer {
  public:
-  RangeVoxelizer(const CloudView& cloud, const Selection& selection, const CellMapping& mapping, VoxelPart& part,
-                 std::vector<std::uint32_t>& slot_of_point)
+  RangeVoxelizer(const CloudView& cloud, const PointSelection& selection, const CellMapping& mapping,
+                 PartialVoxels& part, std::vector<std::uint32_t>& slot_of_point)
       : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
 
   void run(std::size_t begin, std::size_t end, StopCheck& check);
@@ -35,7 +36,7 @@ class RangeVoxelizer {
  private:
   static constexpr std::size_t kChunk = 512;
   static_assert(kChunk <= PointSums::kMost);
-  static constexpr std::size_t kRoom = 8;  // beyond the end of a chunk, for those who write in eights
+  static constexpr std::size_t kRoom = 8;  // beyond the end of a chunk, for loops that write eight entries at a time
 
   template <typename T>
   using PerPoint = std::array<T, kChunk + kRoom>;
@@ -46,16 +47,16 @@ class RangeVoxelizer {
   void find_slots(std::size_t runs);
 
   const CloudView& cloud_;
-  const Selection& selection_;
+  const PointSelection& selection_;
   const CellMapping& mapping_;
-  VoxelPart& part_;
+  PartialVoxels& part_;
   std::vector<std::uint32_t>& slot_of_point_;
   const VoxelKernels& kernels_ = voxel_kernels();
 
   PerPoint<VoxelKey> keys_;
   PerPoint<std::int32_t> x_, y_, z_;  // fixed point
-  PerPoint<PointSums> sums_;          // of the points before each run
-  PerPoint<std::uint32_t*> cells_;    // of the table, of each run
+  PerPoint<PointSums> sums_;          // over the points before each run
+  PerPoint<std::uint32_t*> cells_;    // where the table keeps the slot of each run
   PerPoint<std::uint32_t> run_begin_, hash_, slot_of_run_, slots_;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/voxel_adjacency.hpp"
 
 #include <algorithm>
@@ -14,7 +15,8 @@ constexpr std::int64_t kRowStep = std::int64_t{1} << kCellBits;
 constexpr std::int64_t kLayerStep = std::int64_t{1} << (2 * kCellBits);
 constexpr std::size_t kMostNeighbors = 26;
 
-/// From a voxel's key to that of its neighbour with the smallest x in each row, ascending.
+/// For each row of cells around a voxel, in ascending order: what leads from the key of the voxel to the smallest key
+/// of a neighbor in that row.
 constexpr std::array<std::int64_t, 9> kRowOffsets = [] {
   std::array<std::int64_t, 9> offsets{};
   std::size_t row = 0;
@@ -25,19 +27,20 @@ constexpr std::array<std::int64_t, 9> kRowOffsets = [] {
 }();
 constexpr std::size_t kOwnRow = 4;
 
-/// The sorted keys with room to look beyond the last one, and a pointer into them for each row.
+/// Searches the sorted keys, with room to look beyond the last one, by one pointer for each row.
 class NeighborSearch {
  public:
-  /// How many more than it finds `find` may write.
+  /// The number of entries that `find` may write beyond those that it finds.
   static constexpr std::size_t kSurplus = 4;
 
   explicit NeighborSearch(const std::vector<VoxelKey>& keys) : keys_(keys.size() + 4, ~VoxelKey{0}) {
-    keys_[0] = 0;  // no voxel has this key
+    keys_[0] = 0;  // No voxel has this key.
     std::ranges::copy(keys, keys_.begin() + 1);
   }
 
-  /// Writes the neighbours of v, for ascending v. Without branches but the search's, and that one is mostly one step or
-  /// none: 1.9 -> 1.1 ms a frame. The neighbours in a row stand side by side: all of them are one store, -> 0.8 ms.
+  /// Writes the neighbors of v and returns where they end. Must be called for ascending v. The only branches are those
+  /// of the search, which mostly takes one step or none. The neighbors in a row stand side by side, so that one store
+  /// writes all of them.
   std::uint32_t* find(std::uint32_t v, std::uint32_t* out) {
     const VoxelKey* const key = keys_.data() + 1;
     const VoxelKey own = key[v];
@@ -64,14 +67,14 @@ class NeighborSearch {
   }
 
  private:
-  using Four = std::uint32_t __attribute__((vector_size(16)));  // SSE2, NEON or plain code
+  using Four = std::uint32_t __attribute__((vector_size(16)));  // SSE2, NEON or scalar code
 
   std::vector<VoxelKey> keys_;
   std::array<std::uint32_t, 9> pointer_{};
 };
 
-/// Room for the neighbours of all voxels if they have as many as those before v, and for some more in any case. Not
-/// twice the room, again and again: of large clouds the neighbours are the most memory of all.
+/// Makes room for the neighbors of all voxels, if these have as many as the voxels before v, and for some more in any
+/// case. Doubling the room would waste memory: for large clouds the neighbors take more of it than anything else.
 void grow(std::size_t v, std::size_t voxels, std::size_t found, std::vector<std::uint32_t>& neighbor) {
   constexpr std::size_t kUsual = 16, kLeastMore = 4096;
   const std::size_t expected = v < kLeastMore ? kUsual * voxels : found / v * voxels + voxels;
@@ -82,8 +85,8 @@ void grow(std::size_t v, std::size_t voxels, std::size_t found, std::vector<std:
 
 }  // namespace
 
-void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const StopToken& stop) {
-  StopCheck check(stop);
+absl::Status find_adjacency(const FrameContext& frame, const VoxelGrid& grid, VoxelAdjacency& adjacency) {
+  StopCheck check(frame.stop);
   NeighborSearch search(grid.key);
   std::vector<std::uint32_t>& neighbor = adjacency.neighbor;
   adjacency.offset.resize(grid.size() + 1);
@@ -97,6 +100,7 @@ void find_adjacency(const VoxelGrid& grid, VoxelAdjacency& adjacency, const Stop
     return kRowOffsets.size() + found - before;
   });
   neighbor.resize(found);
+  return check.status();
 }
 
 }  // namespace segserve

@@ -1,28 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 
-#include "core/base/parallel.hpp"
+#include "absl/status/status.h"
+#include "core/base/frame_context.hpp"
+#include "core/base/parallel_parts.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
-#include "segserve/stop_token.hpp"
 
 namespace segserve {
 
-/// work(first, last) for blocks of the voxels of each thread's range; voxels and their neighbours count as work. For
-/// kernels, which do not look at the token themselves.
+/// Calls work(first, last) for small blocks of voxels, on the threads of the frame. Looks at the stop token between the
+/// blocks, which the kernels do not do themselves; voxels and their neighbors count as work. CANCELLED,
+/// DEADLINE_EXCEEDED.
 template <typename Work>
-void for_voxel_blocks(const VoxelAdjacency& adjacency, unsigned threads, const StopToken& stop, Work&& work) {
+absl::Status for_voxel_blocks(const FrameContext& frame, const VoxelAdjacency& adjacency, Work&& work) {
   constexpr std::size_t kBlock = 32;
-  parallel_ranges(adjacency.offset.size() - 1, threads, [&](std::size_t begin, std::size_t end) {
-    StopCheck check(stop, threads);
-    for (std::size_t first = begin; first < end; first += kBlock) {
-      const std::size_t last = std::min(first + kBlock, end);
-      if (check.after(last - first + adjacency.offset[last] - adjacency.offset[first])) return;
-      work(first, last);
-    }
-  });
+  return parallel_parts(frame.executor, frame.stop, adjacency.offset.size() - 1,
+                        [&](unsigned, std::size_t begin, std::size_t end, StopCheck& check) {
+                          for (std::size_t first = begin; first < end; first += kBlock) {
+                            const std::size_t last = std::min(first + kBlock, end);
+                            if (check.after(last - first + adjacency.offset[last] - adjacency.offset[first])) return;
+                            work(first, last);
+                          }
+                        });
 }
 
 }  // namespace segserve

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <algorithm>
@@ -14,7 +15,8 @@
 
 namespace segserve {
 
-/// A voxel and integer sums over its points: exact, so their order does not matter. One cache line.
+/// A voxel and integer sums over its points. Integer sums are exact, so the order of the points does not matter. It
+/// takes one cache line.
 struct alignas(64) VoxelSums {
   std::int64_t x = 0, y = 0, z = 0;  // fixed point
   VoxelKey key = 0;
@@ -27,7 +29,7 @@ struct alignas(64) VoxelSums {
     points += o.points;
   }
 
-  /// Adds what is between two running sums over `count` points.
+  /// Adds `count` points, whose sums are the difference of two running sums.
   void add(const PointSums& begin, const PointSums& end, std::uint64_t count) {
     constexpr std::uint64_t kColor = (std::uint64_t{1} << PointSums::kColorBits) - 1;
     x += end.x - begin.x, y += end.y - begin.y, z += end.z - begin.z;
@@ -39,7 +41,8 @@ struct alignas(64) VoxelSums {
   }
 };
 
-/// Items in blocks, so that they never move: for those who grow by millions, no copies and no second place to copy to.
+/// A list whose items are in blocks and never move. Lists of millions of items grow without copies, and without a
+/// second place to copy to.
 template <typename T, std::size_t kBlock>
 class BlockList {
  public:
@@ -47,7 +50,7 @@ class BlockList {
   const T& operator[](std::size_t i) const { return blocks_[i / kBlock][i % kBlock]; }
   T& operator[](std::size_t i) { return blocks_[i / kBlock][i % kBlock]; }
 
-  /// Room for so many; what stands there is no item until `resize` says so.
+  /// Makes room for `count` items, which are items of the list only once `resize` says so.
   void reserve(std::size_t count) {
     while (blocks_.size() * kBlock < count) blocks_.push_back(std::make_unique_for_overwrite<T[]>(kBlock));
   }
@@ -61,34 +64,35 @@ class BlockList {
 
 using VoxelList = BlockList<VoxelSums, std::size_t{1} << 13U>;
 
-/// Cells of 4 x 4 x 4, and the slots of their voxels; 0 where there is none.
+/// A cube of 4 x 4 x 4 cells with the slots of their voxels, or 0 for cells without a voxel.
 struct Cube {
   std::array<std::uint32_t, 64> slots;
 
   static constexpr VoxelKey kInside = VoxelKey{3} | VoxelKey{3} << kCellBits | VoxelKey{3} << (2 * kCellBits);
 
-  /// The key of its first cell names a cube.
+  /// The cube of a cell; the key of its first cell names a cube.
   static VoxelKey of(VoxelKey key) { return key & ~kInside; }
   std::uint32_t& slot(VoxelKey key) {
     return slots[(key & 3U) | (key >> (kCellBits - 2) & 12U) | (key >> (2 * kCellBits - 4) & 48U)];
   }
 };
 
-/// From voxel keys to consecutive slots 1, 2, ..: an open-addressing hash table of cubes, load at most one half. Points
-/// next to each other lie in the same few cubes, so that large clouds find them in the caches: 262 -> 173 ms of 10
-/// million points. And a cell needs no search, in which what comes next can hardly be predicted.
+/// Maps voxel keys to consecutive slots from 1 on. It is an open-addressing hash table of cubes with a load of at most
+/// one half. Points next to each other lie in the same few cubes, so the caches hold what the points of a large cloud
+/// need. Within a cube the slot of a cell is found without a search, whose branches could hardly be predicted.
 class VoxelTable {
  public:
   VoxelTable() { clear(); }
 
   void clear() {
-    if (places_.size() > 16 * cubes_.size()) places_.clear();  // a small cloud after a large one must not pay for it
+    if (places_.size() > 16 * cubes_.size())
+      places_.clear();  // Small clouds after a large one must not pay for its places.
     set_places(std::max(places_.size(), kFewest));
     cubes_.resize(0);
     voxels_.resize(0);
   }
 
-  /// Clears it of a scattered cloud, whose cubes take more memory than its voxels, and gives that back.
+  /// Clears the table and gives its memory back if the cloud is scattered, so that cubes take more memory than voxels.
   void free_if_scattered() {
     if (cubes_.size() * sizeof(Cube) <= voxels_.size() * sizeof(VoxelSums)) return;
     clear();
@@ -96,7 +100,7 @@ class VoxelTable {
     voxels_.free();
   }
 
-  /// In the order of their slots.
+  /// The voxels in the order of their slots.
   const VoxelList& voxels() const { return voxels_; }
   VoxelSums& voxel(std::uint32_t slot) { return voxels_[slot - 1]; }
 
@@ -104,7 +108,7 @@ class VoxelTable {
     return static_cast<std::uint32_t>((Cube::of(key) * 0x9e3779b97f4a7c15ULL) >> 32U);
   }
 
-  /// Looks up many keys, at most `most` of them new. The table is of no use to others meanwhile.
+  /// Looks up many keys. Nothing else may use the table in the meantime.
   class Lookups;
 
  private:
@@ -112,7 +116,7 @@ class VoxelTable {
 
   struct Place {
     VoxelKey key = 0;      // of the cube
-    Cube* cube = nullptr;  // null: free
+    Cube* cube = nullptr;  // null if the place is free
   };
 
   void set_places(std::size_t count) {
@@ -120,7 +124,7 @@ class VoxelTable {
     shift_ = 32 - std::countr_zero(count);
   }
 
-  /// An empty one, and a place for it.
+  /// Adds an empty cube, and finds a place for it.
   __attribute__((noinline)) Cube& add_cube(VoxelKey key, std::uint32_t hash) {
     if (2 * (cubes_.size() + 1) > places_.size()) double_places();
     cubes_.reserve(cubes_.size() + 1);
@@ -139,7 +143,7 @@ class VoxelTable {
     }
   }
 
-  /// The place of a cube, or the free one that it shall have.
+  /// The place of a cube, or the free place where it belongs.
   Place& find(VoxelKey cube, std::uint32_t hash) {
     std::size_t place = hash >> shift_;
     while (places_[place].key != cube && places_[place].cube != nullptr) place = (place + 1) & (places_.size() - 1);
@@ -147,13 +151,14 @@ class VoxelTable {
   }
 
   std::vector<Place> places_;
-  int shift_ = 0;  // of a hash: what is left of it is the place to start from
+  int shift_ = 0;  // A hash shifted by this is the place where a search starts.
   BlockList<Cube, std::size_t{1} << 9U> cubes_;
   VoxelList voxels_;
 };
 
 class VoxelTable::Lookups {
  public:
+  /// At most `most` of the keys may be new.
   Lookups(VoxelTable& table, std::size_t most) : table_(table) {
     size_ = table.voxels_.size();
     table.voxels_.reserve(size_ + most + 1);
@@ -162,8 +167,8 @@ class VoxelTable::Lookups {
   Lookups(const Lookups&) = delete;
   Lookups& operator=(const Lookups&) = delete;
 
-  // A look-up has three steps, for many keys one step after the other: each asks the memory for what the next one
-  // needs, and large clouds have many look-ups wait at the same time.
+  // A look-up has three steps: prefetch, find_cell and find_or_insert. Callers do each step for many keys before the
+  // next step. Each step asks the memory for what the next one needs, so that many keys wait for it at the same time.
 
   void prefetch(std::uint32_t hash) const { __builtin_prefetch(&table_.places_[hash >> table_.shift_]); }
 
@@ -175,8 +180,8 @@ class VoxelTable::Lookups {
     return cell;
   }
 
-  /// The slot of a key in its cell; a new key gets the next one, its sums 0. Whether it is new decides no branch, which
-  /// would be mispredicted for most of the new ones: an empty cell leads to the voxel after the last. 0.1 ms a frame.
+  /// The slot of a key in its cell. A new key gets the next slot, with sums of 0. No branch asks whether the key is
+  /// new, because it would be mispredicted for most new keys: an empty cell leads to the voxel after the last.
   std::uint32_t find_or_insert(VoxelKey key, std::uint32_t* cell) {
     table_.voxels_[size_] = {.key = key};
     const bool is_new = *cell == 0;

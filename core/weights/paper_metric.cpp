@@ -5,7 +5,7 @@
 
 #include "core/base/stop_check.hpp"
 #include "core/math/symmetric_matrix3.hpp"
-#include "core/normals/two_ring_normals.hpp"
+#include "core/normals/normal_orientation.hpp"
 #include "core/weights/simd/weight_kernels.hpp"
 
 namespace segserve {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/normals/normal_orientation.hpp"
 
 #include <gtest/gtest.h>
@@ -9,27 +10,30 @@
 #include "core/lab/synth/scene.hpp"
 #include "core/normals/two_ring_normals.hpp"
 #include "core/normals/visibility.hpp"
+#include "core/voxels/voxelization.hpp"
 #include "test/core/support/clouds.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
 
-constexpr double kVoxel = 0.01;
+const Options kOptions{.voxel_resolution = 0.01};
 
 struct Oriented {
   VoxelGrid grid;
   VoxelAdjacency adjacency;
-  std::vector<Vec3> turned, oriented;  // to the sensor; and then by orient_hidden
+  std::vector<Vec3> turned;    // to the sensor
+  std::vector<Vec3> oriented;  // by orient_hidden_normals after that
 };
 
 Oriented oriented(const Cloud& cloud) {
+  const test::TestFrame frame(cloud, kOptions);
   Oriented o;
-  VoxelizeScratch scratch;
-  EXPECT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, o.grid).ok());
-  find_adjacency(o.grid, o.adjacency);
-  EXPECT_TRUE(compute_normals(o.grid, o.adjacency, cloud.view, 1, StopToken(), o.turned).ok());
+  EXPECT_TRUE(Voxelization().run(frame, o.grid).ok());
+  EXPECT_TRUE(find_adjacency(frame, o.grid, o.adjacency).ok());
+  EXPECT_TRUE(TwoRingNormals().run(frame, o.grid, o.adjacency, o.turned).ok());
   o.oriented = o.turned;
-  EXPECT_TRUE(orient_hidden(o.grid, o.adjacency, cloud.view, kVoxel, StopToken(), o.oriented).ok());
+  EXPECT_TRUE(orient_hidden_normals(frame, o.grid, o.adjacency, o.oriented).ok());
   return o;
 }
 
@@ -49,7 +53,7 @@ Cloud board() {
   return cloud;
 }
 
-TEST(OrientHidden, TheUndersideOfABoardFacesDown) {
+TEST(OrientHiddenNormals, TurnsTheUndersideOfABoardDown) {
   const Oriented o = oriented(board());
   std::size_t top = 0, bottom = 0;
   for (std::size_t v = 0; v < o.grid.size(); ++v) {
@@ -68,15 +72,15 @@ TEST(OrientHidden, TheUndersideOfABoardFacesDown) {
   EXPECT_GT(bottom, 1000U);
 }
 
-TEST(OrientHidden, WhatNothingSeenTouchesFacesTheSensor) {
+TEST(OrientHiddenNormals, LeavesHiddenComponentsFacingTheSensor) {
   Cloud cloud = test::unorganised(View::world(0.2F, 0.2F, 2));
   test::add_patch(cloud, 0, 0, 0.5F, 0.4F, 0.004F, 0);
-  test::add_patch(cloud, 0.1F, 0.1F, 0.005F, 0.2F, 0.004F, 0);  // in its shadow
+  test::add_patch(cloud, 0.1F, 0.1F, 0.005F, 0.2F, 0.004F, 0);  // in the shadow of the first
   const Oriented o = oriented(cloud);
   for (const Vec3& normal : o.oriented) EXPECT_GT(normal.z, 0.99);
 }
 
-TEST(OrientHidden, ACloudOfOneViewHardlyChanges) {
+TEST(OrientHiddenNormals, HardlyChangesACloudOfOneView) {
   Cloud cloud = synth::make_tabletop({.seed = 3})->cloud;
   cloud.view = View::world(0, 0, 0);
   const Oriented o = oriented(cloud);
@@ -86,54 +90,59 @@ TEST(OrientHidden, ACloudOfOneViewHardlyChanges) {
   EXPECT_LT(static_cast<double>(changed), 0.02 * static_cast<double>(o.grid.size()));
 }
 
-TEST(OrientHidden, EndsEarlyWhenAsked) {
-  Oriented o = oriented(board());
+TEST(OrientHiddenNormals, StopsWhenAsked) {
+  const Cloud cloud = board();
+  Oriented o = oriented(cloud);
   const std::atomic<bool> cancelled = true;
-  EXPECT_EQ(orient_hidden(o.grid, o.adjacency, board().view, kVoxel, StopToken(&cancelled), o.oriented).code(),
-            absl::StatusCode::kCancelled);
+  const test::TestFrame frame(cloud, kOptions, StopToken(&cancelled));
+  EXPECT_EQ(orient_hidden_normals(frame, o.grid, o.adjacency, o.oriented).code(), absl::StatusCode::kCancelled);
 }
 
-TEST(SeenFrom, AWallHidesWhatIsBehindItAndNothingElse) {
-  Cloud cloud = test::unorganised();
+struct Visibility {
+  VoxelGrid grid;
+  std::vector<bool> visible;
+};
+
+Visibility visibility(const Cloud& cloud) {
+  const test::TestFrame frame(cloud, kOptions);
+  Visibility v;
+  EXPECT_TRUE(Voxelization().run(frame, v.grid).ok());
+  EXPECT_TRUE(find_visible_voxels(frame, v.grid, v.visible).ok());
+  return v;
+}
+
+TEST(VisibleVoxels, AWallHidesWhatIsBehindItAndNothingElse) {
+  Cloud cloud = test::unorganised(View::world(0, 0, 0));
   test::add_patch(cloud, -0.2F, -0.2F, 1, 0.4F, 0.004F, 0);
   test::add_patch(cloud, -1, -1, 2, 2, 0.008F, 0);
-  VoxelizeScratch scratch;
-  VoxelGrid grid;
-  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
-  const std::vector<bool> seen = seen_from({0, 0, 0}, grid, kVoxel);
+  const auto [grid, visible] = visibility(cloud);
   std::size_t hidden = 0;
   for (std::size_t v = 0; v < grid.size(); ++v) {
     const Vec3& c = grid.centroid[v];
     const double off_axis = std::max(std::fabs(c.x), std::fabs(c.y)) / c.z;
     if (c.z < 1.5 || off_axis > 0.22) {
-      EXPECT_TRUE(seen[v]);
+      EXPECT_TRUE(visible[v]);
     } else if (off_axis < 0.18) {
-      EXPECT_FALSE(seen[v]);
+      EXPECT_FALSE(visible[v]);
       ++hidden;
     }
   }
   EXPECT_GT(hidden, 3000U);
 }
 
-TEST(SeenFrom, ASlopeDoesNotHideItself) {
-  Cloud cloud = test::unorganised();
+TEST(VisibleVoxels, ASlopeDoesNotHideItself) {
+  Cloud cloud = test::unorganised(View::world(0, 0, 0));
   for (float u = -1; u < 1; u += 0.005F) {
     for (float y = -0.5F; y < 0.5F; y += 0.005F) test::add(cloud, u, y, 2 + 0.8F * u, 0);
   }
-  VoxelizeScratch scratch;
-  VoxelGrid grid;
-  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
-  const std::vector<bool> seen = seen_from({0, 0, 0}, grid, kVoxel);
-  EXPECT_GT(std::ranges::count(seen, true), 0.95 * static_cast<double>(seen.size()));
+  const auto [grid, visible] = visibility(cloud);
+  EXPECT_GT(std::ranges::count(visible, true), 0.95 * static_cast<double>(grid.size()));
 }
 
-TEST(SeenFrom, AVoxelAtTheSensorIsSeen) {
-  Cloud cloud = test::unorganised();
+TEST(VisibleVoxels, AVoxelAtTheSensorIsVisible) {
+  Cloud cloud = test::unorganised(View::world(0, 0, 0));
   test::add(cloud, 0, 0, 0, 0);
-  VoxelizeScratch scratch;
-  VoxelGrid grid;
-  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
-  EXPECT_EQ(seen_from(grid.centroid[0], grid, kVoxel), std::vector<bool>{true});
+  EXPECT_EQ(visibility(cloud).visible, std::vector<bool>{true});
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/normals/two_ring_normals.hpp"
 
 #include <gtest/gtest.h>
@@ -6,22 +7,26 @@
 #include <cmath>
 
 #include "core/voxels/voxel_adjacency.hpp"
+#include "core/voxels/voxelization.hpp"
 #include "test/core/support/clouds.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
 
-VoxelGrid voxels_of(const Cloud& cloud, double resolution = 0.01) {
-  VoxelizeScratch scratch;
+struct Normals {
   VoxelGrid grid;
-  EXPECT_TRUE(voxelize(cloud, resolution, 1, StopToken(), scratch, grid).ok());
-  return grid;
-}
-
-VoxelAdjacency adjacency_of(const VoxelGrid& grid) {
   VoxelAdjacency adjacency;
-  find_adjacency(grid, adjacency);
-  return adjacency;
+  std::vector<Vec3> normals;
+};
+
+Normals normals_of(const Cloud& cloud, std::uint32_t threads = 1) {
+  const test::TestFrame frame(cloud, {.voxel_resolution = 0.01, .threads = threads});
+  Normals n;
+  EXPECT_TRUE(Voxelization().run(frame, n.grid).ok());
+  EXPECT_TRUE(find_adjacency(frame, n.grid, n.adjacency).ok());
+  EXPECT_TRUE(TwoRingNormals().run(frame, n.grid, n.adjacency, n.normals).ok());
+  return n;
 }
 
 int axis(VoxelKey key, int axis) {
@@ -29,9 +34,8 @@ int axis(VoxelKey key, int axis) {
 }
 
 TEST(Adjacency, EqualsComparingAllPairs) {
-  // Dense enough for all 26 neighbours, around the origin so that cells go from -1 to 0.
-  const VoxelGrid grid = voxels_of(test::random_cloud(3000, 0.12F, 0, View::world()));
-  const VoxelAdjacency adjacency = adjacency_of(grid);
+  // The cloud is dense enough for all 26 neighbors, and around the origin, so that coordinates of cells change sign.
+  const auto [grid, adjacency, normals] = normals_of(test::random_cloud(3000, 0.12F, 0, View::world()));
   ASSERT_EQ(adjacency.offset.size(), grid.size() + 1);
   std::size_t most = 0;
   for (std::uint32_t v = 0; v < grid.size(); ++v) {
@@ -48,18 +52,16 @@ TEST(Adjacency, EqualsComparingAllPairs) {
   EXPECT_EQ(most, 26U);
 }
 
-TEST(Normals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
-  const VoxelGrid grid = voxels_of(test::random_cloud(400, 0.12F, 0, View::world()));
-  const VoxelAdjacency adjacency = adjacency_of(grid);
-  const View view = View::world(0.1F, 0.2F, 3);
-  std::vector<Vec3> normals;
-  ASSERT_TRUE(compute_normals(grid, adjacency, view, 1, StopToken(), normals).ok());
+TEST(TwoRingNormals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
+  const Normals n = normals_of(test::random_cloud(400, 0.12F, 0, View::world(0.1F, 0.2F, 3)));
+  const VoxelGrid& grid = n.grid;
+  const std::vector<Vec3>& normals = n.normals;
   for (std::uint32_t v = 0; v < grid.size(); ++v) {
-    std::vector<std::uint32_t> list{v};  // as PCL makes it, where a voxel is among its own neighbours
+    std::vector<std::uint32_t> list{v};  // as PCL makes it, for which a voxel is among its own neighbors
     const auto with_itself = [&](std::uint32_t w) {
-      std::vector<std::uint32_t> n(adjacency.of(w).begin(), adjacency.of(w).end());
-      n.push_back(w);
-      return n;
+      std::vector<std::uint32_t> neighbors(n.adjacency.of(w).begin(), n.adjacency.of(w).end());
+      neighbors.push_back(w);
+      return neighbors;
     };
     for (const std::uint32_t u : with_itself(v)) {
       list.push_back(u);
@@ -76,21 +78,19 @@ TEST(Normals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
     }
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
     const Eigen::Vector3d values = solver.eigenvalues();
-    if (values[1] - values[0] <= 0.05 * values[2]) continue;  // hardly a plane: the direction is loose
-    const Eigen::Vector3d n = solver.eigenvectors().col(0);
-    EXPECT_NEAR(std::fabs(n.x() * normals[v].x + n.y() * normals[v].y + n.z() * normals[v].z), 1, 1e-6);
+    if (values[1] - values[0] <= 0.05 * values[2]) continue;  // This is hardly a plane, so its normal is uncertain.
+    const Eigen::Vector3d expected = solver.eigenvectors().col(0);
+    EXPECT_NEAR(std::fabs(expected.dot(Eigen::Vector3d(normals[v].x, normals[v].y, normals[v].z))), 1, 1e-6);
     EXPECT_GE(dot(normals[v], Vec3{0.1F, 0.2F, 3} - grid.centroid[v]), 0) << "turned to the sensor";
   }
 }
 
-TEST(Normals, AreUndefinedOnlyWhereNoPlaneIs) {
+TEST(TwoRingNormals, AreUndefinedOnlyWhereNoPlaneIs) {
   Cloud cloud = test::unorganised();
   test::add(cloud, 5, 5, 5, 0);                                                                              // alone
   for (int i = 0; i < 30; ++i) test::add(cloud, 0.01F * static_cast<float>(i) + 0.005F, 0.005F, 0.005F, 0);  // a line
   test::add_patch(cloud, 1, 1, 0.005F, 0.2F, 0.005F, 0);
-  const VoxelGrid grid = voxels_of(cloud);
-  std::vector<Vec3> normals;
-  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 1, StopToken(), normals).ok());
+  const auto [grid, adjacency, normals] = normals_of(cloud);
   for (std::size_t v = 0; v < grid.size(); ++v) {
     const bool on_patch = grid.centroid[v].x > 0.9 && grid.centroid[v].x < 2;
     EXPECT_NEAR(norm(normals[v]), on_patch ? 1 : 0, 1e-9);
@@ -100,8 +100,8 @@ TEST(Normals, AreUndefinedOnlyWhereNoPlaneIs) {
   }
 }
 
-TEST(Normals, AreConsistentWithoutASensor) {
-  // A closed half sphere from below the equator up: all normals outwards, as most of it looks up.
+TEST(TwoRingNormals, AreConsistentWithoutASensor) {
+  // This is the part of a sphere from below the equator up. Most of it faces up, so all normals must point outwards.
   Cloud cloud = test::unorganised(View::world());
   for (double theta = 0; theta < 1.9; theta += 0.01) {
     for (double phi = 0; phi < 6.28; phi += 0.01 / std::max(0.05, std::sin(theta))) {
@@ -110,19 +110,13 @@ TEST(Normals, AreConsistentWithoutASensor) {
                 0);
     }
   }
-  const VoxelGrid grid = voxels_of(cloud);
-  std::vector<Vec3> normals;
-  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 1, StopToken(), normals).ok());
+  const auto [grid, adjacency, normals] = normals_of(cloud);
   for (std::size_t v = 0; v < grid.size(); ++v) EXPECT_GT(dot(normals[v], unit(grid.centroid[v])), 0.8);
 }
 
-TEST(Normals, DoNotDependOnThreads) {
+TEST(TwoRingNormals, DoNotDependOnThreads) {
   const Cloud cloud = test::random_cloud(3000, 0.3F, 1, View::camera());
-  const VoxelGrid grid = voxels_of(cloud);
-  std::vector<Vec3> one, many;
-  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 1, StopToken(), one).ok());
-  ASSERT_TRUE(compute_normals(grid, adjacency_of(grid), cloud.view, 5, StopToken(), many).ok());
-  EXPECT_EQ(one, many);
+  EXPECT_EQ(normals_of(cloud, 1).normals, normals_of(cloud, 5).normals);
 }
 
 }  // namespace

@@ -7,7 +7,9 @@
 #include "core/region_graph/region_graph.hpp"
 #include "core/supervoxels/growth.hpp"
 #include "core/supervoxels/seeds.hpp"
+#include "core/voxels/voxelization.hpp"
 #include "test/core/support/clouds.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
@@ -23,11 +25,11 @@ struct Stages {
 constexpr SupervoxelOptions kPaper{0.008, 0.08, 0.2, 0.4, 1};
 
 Stages run(const Cloud& cloud, const SupervoxelOptions& options = kPaper) {
+  const test::TestFrame frame(cloud, {.voxel_resolution = options.voxel_resolution});
   Stages s;
-  VoxelizeScratch scratch;
-  EXPECT_TRUE(voxelize(cloud, options.voxel_resolution, 1, StopToken(), scratch, s.grid).ok());
-  find_adjacency(s.grid, s.adjacency);
-  EXPECT_TRUE(compute_normals(s.grid, s.adjacency, cloud.view, 1, StopToken(), s.normals).ok());
+  EXPECT_TRUE(Voxelization().run(frame, s.grid).ok());
+  EXPECT_TRUE(find_adjacency(frame, s.grid, s.adjacency).ok());
+  EXPECT_TRUE(TwoRingNormals().run(frame, s.grid, s.adjacency, s.normals).ok());
   SeedScratch seeding;
   select_seeds(s.grid, cloud.view, options.voxel_resolution, options.seed_resolution, seeding, s.seeds);
   GrowthScratch growth;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +8,6 @@
 #include <random>
 
 #include "core/lab/synth/scene.hpp"
-#include "core/support_plane/support_plane_finder.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/segment.hpp"
 #include "test/core/support/clouds.hpp"

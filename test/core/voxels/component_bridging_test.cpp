@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/component_bridging.hpp"
 
 #include <gtest/gtest.h>
@@ -7,7 +8,9 @@
 #include <cstdlib>
 #include <set>
 
+#include "core/voxels/voxelization.hpp"
 #include "test/core/support/clouds.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
@@ -19,17 +22,17 @@ struct Bridged {
   VoxelAdjacency before, after;
 };
 
-Bridged bridged(const Cloud& cloud, const IslandOptions& options = {}) {
+Bridged bridged(const Cloud& cloud, const BridgingOptions& options = {}) {
+  const test::TestFrame frame(cloud, {.voxel_resolution = kVoxel});
   Bridged b;
-  VoxelizeScratch scratch;
-  EXPECT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, b.grid).ok());
-  find_adjacency(b.grid, b.before);
+  EXPECT_TRUE(Voxelization().run(frame, b.grid).ok());
+  EXPECT_TRUE(find_adjacency(frame, b.grid, b.before).ok());
   b.after = b.before;
-  EXPECT_TRUE(bridge_islands(b.grid, cloud.view, kVoxel, options, StopToken(), b.after).ok());
+  EXPECT_TRUE(bridge_components(frame, b.grid, options, b.after).ok());
   return b;
 }
 
-/// The component of every voxel, by flooding.
+/// Finds the component of every voxel by flooding.
 std::vector<std::uint32_t> components(const VoxelAdjacency& adjacency) {
   constexpr std::uint32_t kNone = UINT32_MAX;
   std::vector<std::uint32_t> component(adjacency.offset.size() - 1, kNone);
@@ -60,8 +63,8 @@ int distance(VoxelKey a, VoxelKey b) {
   return most;
 }
 
-/// By definition, comparing all pairs.
-VoxelAdjacency by_definition(const VoxelGrid& grid, const VoxelAdjacency& before, const IslandOptions& options) {
+/// Bridges components as the definition says, by comparing all pairs of voxels.
+VoxelAdjacency by_definition(const VoxelGrid& grid, const VoxelAdjacency& before, const BridgingOptions& options) {
   const std::size_t n = grid.size();
   std::vector<std::set<std::uint32_t>> neighbors(n);
   for (std::uint32_t v = 0; v < n; ++v) neighbors[v].insert(before.of(v).begin(), before.of(v).end());
@@ -76,12 +79,12 @@ VoxelAdjacency by_definition(const VoxelGrid& grid, const VoxelAdjacency& before
   };
   for (int reach = 2; reach <= options.reach; ++reach) {
     const std::vector<std::uint32_t> component = components(rows());
-    const auto island = [&](std::uint32_t v) {
+    const auto is_small = [&](std::uint32_t v) {
       return static_cast<double>(std::ranges::count(component, component[v])) * kVoxel * kVoxel < options.area;
     };
     for (std::uint32_t v = 0; v < n; ++v) {
       for (std::uint32_t u = 0; u < n; ++u) {
-        if (component[u] == component[v] || !(island(u) || island(v))) continue;
+        if (component[u] == component[v] || !(is_small(u) || is_small(v))) continue;
         if (distance(grid.key[u], grid.key[v]) <= reach) neighbors[v].insert(u);
       }
     }
@@ -89,9 +92,10 @@ VoxelAdjacency by_definition(const VoxelGrid& grid, const VoxelAdjacency& before
   return rows();
 }
 
-TEST(Islands, EqualTheDefinition) {
-  // Sparse enough for islands at every reach; 11.5 voxels are no island, whatever the rounding.
-  const IslandOptions options{.area = 11.5 * kVoxel * kVoxel, .reach = 4};
+TEST(ComponentBridging, EqualsTheDefinition) {
+  // The clouds are so sparse that small components remain at every reach. The area is that of 11.5 voxels, so that
+  // rounding does not decide which components are small.
+  const BridgingOptions options{.area = 11.5 * kVoxel * kVoxel, .reach = 4};
   for (const std::size_t points : {60U, 150U, 400U, 1200U}) {
     const Bridged b = bridged(test::random_cloud(points, 0.3F, 0, View::world()), options);
     const VoxelAdjacency expected = by_definition(b.grid, b.before, options);
@@ -101,15 +105,15 @@ TEST(Islands, EqualTheDefinition) {
   }
 }
 
-TEST(Islands, ASurfaceSparserThanTheVoxelsHangsTogether) {
+TEST(ComponentBridging, ConnectsASurfaceThatIsSparserThanTheVoxels) {
   Cloud cloud = test::unorganised();
-  test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.4F, 0.0142F, 0);  // 3 of 10 rows of voxels are empty
+  test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.4F, 0.0142F, 0);  // leaves 3 of 10 rows of voxels empty
   const Bridged b = bridged(cloud);
   EXPECT_GT(component_count(b.before), 50U);
   EXPECT_EQ(component_count(b.after), 1U);
 }
 
-TEST(Islands, LargeSurfacesWithAGapBetweenThemStayApart) {
+TEST(ComponentBridging, KeepsLargeSurfacesApart) {
   Cloud cloud = test::unorganised();
   test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.2F, 0.004F, 0);
   test::add_patch(cloud, 0.222F, 0.002F, 0.002F, 0.2F, 0.004F, 0);
@@ -118,28 +122,24 @@ TEST(Islands, LargeSurfacesWithAGapBetweenThemStayApart) {
   EXPECT_EQ(b.after.neighbor, b.before.neighbor);
 }
 
-TEST(Islands, ReachNoFurtherThanTheyMay) {
+TEST(ComponentBridging, ReachesNoFurtherThanItMay) {
   const auto components_with_a_speck_at = [](float x) {
     Cloud cloud = test::unorganised();
-    test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.1F, 0.004F, 0);  // its last voxels are those of x = 0.09
+    test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.1F, 0.004F, 0);  // ends with the voxels at x = 0.09
     test::add(cloud, x, 0.05F, 0.002F, 0);
     return component_count(bridged(cloud).after);
   };
-  EXPECT_EQ(components_with_a_speck_at(0.135F), 1U);  // 4 voxels on
+  EXPECT_EQ(components_with_a_speck_at(0.135F), 1U);  // 4 voxels away
   EXPECT_EQ(components_with_a_speck_at(0.145F), 2U);
 }
 
-TEST(Islands, EndEarlyWhenAsked) {
+TEST(ComponentBridging, StopsWhenAsked) {
   Cloud cloud = test::unorganised();
   test::add(cloud, 0, 0, 0, 0);
-  VoxelizeScratch scratch;
-  VoxelGrid grid;
-  VoxelAdjacency adjacency;
-  ASSERT_TRUE(voxelize(cloud, kVoxel, 1, StopToken(), scratch, grid).ok());
-  find_adjacency(grid, adjacency);
+  Bridged b = bridged(cloud);
   const std::atomic<bool> cancelled = true;
-  const absl::Status status = bridge_islands(grid, cloud.view, kVoxel, {}, StopToken(&cancelled), adjacency);
-  EXPECT_EQ(status.code(), absl::StatusCode::kCancelled);
+  const test::TestFrame frame(cloud, {.voxel_resolution = kVoxel}, StopToken(&cancelled));
+  EXPECT_EQ(bridge_components(frame, b.grid, {}, b.after).code(), absl::StatusCode::kCancelled);
 }
 
 }  // namespace

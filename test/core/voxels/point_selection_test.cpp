@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/point_selection.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ namespace segserve {
 namespace {
 
 bool selects(const Options& options, float x, float y, float z, const View& view = View::camera()) {
-  const Selection selection(options, view);
+  const PointSelection selection(options, view);
   const CellInput in{&x, &y, &z, false, 1, 1, &selection.limits()};
   std::array<std::uint64_t, 8> keys{};
   std::array<std::int32_t, 8> fixed_x{}, fixed_y{}, fixed_z{};
@@ -23,14 +24,14 @@ bool selects(const Options& options, float x, float y, float z, const View& view
   return keys[0] != kNoKey;
 }
 
-TEST(Selection, IsEverythingUnlessSomethingIsAsked) {
-  EXPECT_TRUE(Selection().all());
-  EXPECT_TRUE(Selection({}, View::world()).all());
-  EXPECT_FALSE(Selection({.crop_max_y = 1}, View::world()).all());
-  EXPECT_FALSE(Selection({.range_min = 0.5}, View::camera()).all());
+TEST(PointSelection, SelectsEverythingUnlessOptionsSayOtherwise) {
+  EXPECT_TRUE(PointSelection().all());
+  EXPECT_TRUE(PointSelection({}, View::world()).all());
+  EXPECT_FALSE(PointSelection({.crop_max_y = 1}, View::world()).all());
+  EXPECT_FALSE(PointSelection({.range_min = 0.5}, View::camera()).all());
 }
 
-TEST(Selection, ACropBoxIsClosedAndItsUnsetSidesAreOpen) {
+TEST(PointSelection, ACropBoxIsClosedAndItsUnsetSidesAreOpen) {
   const Options options{.crop_min_x = -0.25, .crop_max_x = 0.5, .crop_min_z = 1};
   EXPECT_TRUE(selects(options, -0.25F, 1e6F, 1));
   EXPECT_TRUE(selects(options, 0.5F, -1e6F, 1e6F));
@@ -39,13 +40,13 @@ TEST(Selection, ACropBoxIsClosedAndItsUnsetSidesAreOpen) {
   EXPECT_FALSE(selects(options, 0, 0, std::nextafter(1.0F, 0.0F)));
 }
 
-TEST(Selection, LimitsAreNotRoundedToTheCoordinates) {
+TEST(PointSelection, LimitsAreNotRoundedToTheCoordinates) {
   EXPECT_GT(0.1F, 0.1);
   EXPECT_FALSE(selects({.crop_max_x = 0.1}, 0.1F, 0, 1));
   EXPECT_TRUE(selects({.crop_max_x = double{0.1F}}, 0.1F, 0, 1));
 }
 
-TEST(Selection, TheRangeIsMeasuredFromTheSensor) {
+TEST(PointSelection, TheRangeIsMeasuredFromTheSensor) {
   const Options options{.range_min = 3, .range_max = 5};
   EXPECT_TRUE(selects(options, 0, 3, 4));
   EXPECT_TRUE(selects(options, 0, 0, 3));
@@ -55,7 +56,7 @@ TEST(Selection, TheRangeIsMeasuredFromTheSensor) {
   EXPECT_FALSE(selects(options, 10, 3, 4, View::camera()));
 }
 
-/// The cloud with what `keep` refuses made NaN.
+/// The cloud with NaN in place of the points that `keep` refuses.
 template <typename Keep>
 Cloud without(Cloud cloud, Keep&& keep) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
@@ -64,14 +65,15 @@ Cloud without(Cloud cloud, Keep&& keep) {
   return cloud;
 }
 
-/// What is left out has no influence: labels, tree and counts are those of the cloud without it.
+/// Expects that points that are left out have no influence: labels, tree and counts are those of the cloud without
+/// them.
 void expect_as_if_not_finite(const Cloud& cloud, const Options& options, const Cloud& rest) {
   Options plain = options;
   plain.crop_min_x = plain.crop_max_x = plain.crop_min_y = plain.crop_max_y = plain.crop_min_z = plain.crop_max_z = {};
   plain.range_min = plain.range_max = {};
   const Segmentation whole = *segment(cloud, plain);
   const Segmentation expected = *segment(rest, plain);
-  ASSERT_GT(expected.segments, 1U) << "a part that tests something";
+  ASSERT_GT(expected.segments, 1U) << "the part must have something to segment";
   ASSERT_LT(expected.finite_points, whole.finite_points);
   for (const std::uint32_t threads : {1U, 3U}) {
     Options asked = options;
@@ -83,11 +85,11 @@ void expect_as_if_not_finite(const Cloud& cloud, const Options& options, const C
     EXPECT_EQ(part.segments, expected.segments);
     EXPECT_EQ(part.voxels, expected.voxels);
     EXPECT_EQ(part.segmented_points, expected.finite_points);
-    EXPECT_EQ(part.finite_points, whole.finite_points) << "finite, though left out";
+    EXPECT_EQ(part.finite_points, whole.finite_points) << "points that are left out are finite";
   }
 }
 
-TEST(LeftOut, OfATabletopByACropBox) {
+TEST(PointsLeftOut, ByACropBoxAroundATabletopHaveNoInfluence) {
   const Cloud cloud = synth::make_tabletop({.seed = 3, .width = 320, .height = 240})->cloud;
   const Cloud rest = without(
       cloud, [](float x, float y, float z) { return x >= -0.2 && x <= 0.3 && y <= 0.25 && z >= 0.5 && z <= 1.15; });
@@ -95,7 +97,7 @@ TEST(LeftOut, OfATabletopByACropBox) {
       cloud, {.crop_min_x = -0.2, .crop_max_x = 0.3, .crop_max_y = 0.25, .crop_min_z = 0.5, .crop_max_z = 1.15}, rest);
 }
 
-TEST(LeftOut, OfATabletopByRange) {
+TEST(PointsLeftOut, ByTheRangeFromACameraHaveNoInfluence) {
   const Cloud cloud = synth::make_tabletop({.seed = 3, .width = 320, .height = 240})->cloud;
   const Cloud rest = without(cloud, [](double x, double y, double z) {
     const double squared = x * x + y * y + z * z;
@@ -106,7 +108,7 @@ TEST(LeftOut, OfATabletopByRange) {
   }
 }
 
-TEST(LeftOut, OfARoomByBoth) {
+TEST(PointsLeftOut, ByBoxAndRangeInARoomHaveNoInfluence) {
   const Cloud cloud = synth::make_fused_room({.seed = 3, .points = 60000})->cloud;
   ASSERT_TRUE(cloud.view.sensor.has_value());
   const std::array<float, 3> sensor = *cloud.view.sensor;
@@ -118,7 +120,7 @@ TEST(LeftOut, OfARoomByBoth) {
       cloud, {.voxel_resolution = 0.03, .seed_resolution = 0.15, .crop_min_z = 0.05, .range_max = 1.5}, rest);
 }
 
-TEST(LeftOut, PointsNeedNotFitTheGridNorBeBeforeTheCamera) {
+TEST(PointsLeftOut, NeedNeitherFitTheGridNorBeInFrontOfTheCamera) {
   Cloud cloud = test::unorganised(View::camera());
   test::add_patch(cloud, -0.1F, -0.1F, 1, 0.2F, 0.005F, 0x808080);
   test::add(cloud, 0, 0, -1, 0);
@@ -130,7 +132,7 @@ TEST(LeftOut, PointsNeedNotFitTheGridNorBeBeforeTheCamera) {
   EXPECT_EQ(part->finite_points, cloud.size());
 }
 
-TEST(LeftOut, EverythingIsNoError) {
+TEST(PointsLeftOut, MayBeAllOfThem) {
   const Cloud cloud = test::random_cloud(1000, 0.5F, 1, View::camera());
   const Segmentation none = *segment(cloud, {.crop_min_x = 5});
   EXPECT_EQ(none.segments, 0U);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/voxel_table.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ std::vector<VoxelKey> block_of_cells(std::uint64_t edge) {
   return keys;
 }
 
-/// Each with up to 40 others close to it.
+/// Random keys in groups of 40 that are close to each other.
 std::vector<VoxelKey> random_keys(std::size_t count) {
   Random random(7);
   std::vector<VoxelKey> keys;

@@ -9,7 +9,9 @@
 #include "core/math/elementary.hpp"
 #include "core/merging/merger.hpp"
 #include "core/normals/two_ring_normals.hpp"
+#include "core/voxels/voxelization.hpp"
 #include "test/core/support/clouds.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
@@ -110,14 +112,14 @@ TEST(BorderMetric, GivesAMonotoneTreeOnAnyGraph) {
 
 TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
   const Cloud cloud = test::random_cloud(6000, 0.3F, 1, View::camera());
-  VoxelizeScratch scratch;
+  const test::TestFrame frame(cloud, {.voxel_resolution = 0.01});
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
   Seeds seeds;
-  ASSERT_TRUE(voxelize(cloud, 0.01, 1, StopToken(), scratch, grid).ok());
-  find_adjacency(grid, adjacency);
-  ASSERT_TRUE(compute_normals(grid, adjacency, cloud.view, 1, StopToken(), normals).ok());
+  ASSERT_TRUE(Voxelization().run(frame, grid).ok());
+  ASSERT_TRUE(find_adjacency(frame, grid, adjacency).ok());
+  ASSERT_TRUE(TwoRingNormals().run(frame, grid, adjacency, normals).ok());
   SeedScratch seeding;
   select_seeds(grid, cloud.view, 0.01, 0.08, seeding, seeds);
   GrowthScratch growth;

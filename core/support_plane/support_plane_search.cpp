@@ -1,4 +1,5 @@
-#include "core/support_plane/support_plane_finder.hpp"
+// SPDX-License-Identifier: Apache-2.0
+#include "core/support_plane/support_plane_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,18 +14,18 @@
 namespace segserve {
 namespace {
 
-constexpr double kSmallestShare = 0.1;  // of all voxels
+constexpr double kSmallestShare = 0.1;  // of all voxels that a plane must hold
 constexpr double kUp = 0.8660254;       // cosine of 30 degrees
-constexpr double kUpright = 0.17;     // sine of 10 degrees, by which a camera may look up and take no wall for a table
-constexpr double kRoll = 0.5;         // sine of 30 degrees
-constexpr double kAgree = 0.8660254;  // cosine of 30 degrees between the normals of a voxel and its plane
-constexpr double kFringe = 0.5;       // of the distance
-constexpr int kFringeSteps = 2;       // a normal is fitted to two rings of neighbours
+constexpr double kUpright = 0.17;       // sine of 10 degrees: a camera that looks up by less takes no wall for a table
+constexpr double kRoll = 0.5;           // sine of 30 degrees
+constexpr double kAgree = 0.8660254;    // cosine of 30 degrees between the normals of a voxel and its plane
+constexpr double kFringe = 0.5;         // of the distance, within which voxels beside the plane belong to it
+constexpr int kFringeSteps = 2;         // as many as the rings of neighbors to which normals are fitted
 constexpr std::uint32_t kSamples = 2048;
 constexpr std::uint32_t kGuesses = 64;
 constexpr int kRefinedGuesses = 8;
-// How thick the plane is in one fit after the other, in distances. A voxel's normal is off by degrees: the first
-// fits look farther.
+// How thick the plane is in the successive fits, in distances. The first fits look farther, because the plane of a
+// single voxel is off by degrees.
 constexpr double kWidening[] = {4, 2, 1, 1};
 
 struct Plane {
@@ -32,18 +33,23 @@ struct Plane {
   double offset = 0;
 };
 
-class SupportPlaneFinder {
+class SupportPlaneSearch {
  public:
-  SupportPlaneFinder(const VoxelGrid& grid, const std::vector<Vec3>& normals, const View& view, double distance,
+  SupportPlaneSearch(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
                      StopCheck& check)
-      : grid_(grid), normals_(normals), view_(view), distance_(distance), check_(check), all_(grid.size()) {
+      : grid_(grid),
+        normals_(normals),
+        view_(frame.view()),
+        distance_(*frame.options.support_plane_distance),
+        check_(check),
+        all_(grid.size()) {
     check_.for_each(0, all_.size(), [this](std::size_t v) { all_[v] = static_cast<std::uint32_t>(v); });
     Random random(1);
     for (std::uint32_t i = 0; i < kSamples; ++i)
       samples_.push_back(random.below(static_cast<std::uint32_t>(all_.size())));
   }
 
-  /// The plane of most voxels, however few.
+  /// The plane of most voxels, however few they are.
   std::optional<Plane> find() const {
     std::vector<Guess> guesses = guess();
     std::optional<Plane> best;
@@ -60,11 +66,12 @@ class SupportPlaneFinder {
     return best ? fit(*best, all_, std::span(kWidening).last(2)) : best;
   }
 
-  /// Whether the voxel lies in the plane, which may be `widening` times as thick as asked for.
+  /// Whether the voxel lies in the plane and its normal agrees. The plane is `widening` times as thick as asked for.
   bool holds(const Plane& plane, std::uint32_t v, double widening) const {
     return near(plane, v, widening) && agreement(plane.normal, normals_[v]) >= kAgree;
   }
 
+  /// Whether the voxel is at most `factor` distances away from the plane.
   bool near(const Plane& plane, std::uint32_t v, double factor) const {
     const double scale = view_.kind == ViewKind::kCamera ? grid_.centroid[v].z : 1;
     return std::fabs(dot(plane.normal, grid_.centroid[v]) - plane.offset) <= factor * distance_ * scale;
@@ -96,12 +103,12 @@ class SupportPlaneFinder {
     return view_.kind == ViewKind::kCamera ? normal != Vec3{} : normal.z >= kUp;
   }
 
-  /// In a camera's frame, y down, unless it hangs over a table or lies on its side.
+  /// Whether the plane faces up in the frame of an upright camera, with y down.
   bool faces_up_before_upright_camera(const Vec3& normal) const {
     return view_.kind == ViewKind::kCamera && normal.y <= -kUpright && std::fabs(normal.x) <= kRoll;
   }
 
-  /// The number of samples in the plane, after what is preferred.
+  /// The number of samples in the plane; planes that are preferred rank above all others.
   std::size_t rank(const Plane& plane, double widening) const {
     if (check_.after(samples_.size())) return 0;
     const auto held = static_cast<std::size_t>(
@@ -111,14 +118,14 @@ class SupportPlaneFinder {
     return preferred ? kSamples + held : held;
   }
 
-  /// Fits the plane to those of the voxels that it holds, again and again.
+  /// Fits the plane to those of the voxels that it holds, once for each widening.
   std::optional<Plane> fit(Plane plane, std::span<const std::uint32_t> voxels,
                            std::span<const double> widenings) const {
     for (const double widening : widenings) {
       double total = 0;
       Vec3 sum;
       Symmetric3 square;
-      const Vec3 origin = grid_.centroid[0];  // within the cloud, which keeps the moments exact
+      const Vec3 origin = grid_.centroid[0];  // An origin within the cloud keeps the moments exact.
       check_.for_each(0, voxels.size(), [&](std::size_t i) {
         const std::uint32_t v = voxels[i];
         if (!holds(plane, v, widening)) return;
@@ -140,12 +147,12 @@ class SupportPlaneFinder {
   const View& view_;
   double distance_;
   StopCheck& check_;
-  std::vector<std::uint32_t> all_;      // V: 0, 1, ..
+  std::vector<std::uint32_t> all_;      // V: all voxels
   std::vector<std::uint32_t> samples_;  // kSamples of them
 };
 
-/// Adds the voxels beside members whose normals do not tell.
-void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const VoxelAdjacency& adjacency, StopCheck& check,
+/// Adds voxels beside members, where normals reach across edges.
+void add_fringe(const SupportPlaneSearch& search, const Plane& plane, const VoxelAdjacency& adjacency, StopCheck& check,
                 std::vector<bool>& member) {
   std::vector<std::uint32_t> border;
   check.for_each(0, member.size(), [&](std::size_t v) {
@@ -156,7 +163,7 @@ void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const Voxe
     for (const std::uint32_t v : border) {
       if (check.after(1 + adjacency.of(v).size())) return;
       for (const std::uint32_t u : adjacency.of(v)) {
-        if (member[u] || !finder.near(plane, u, kFringe)) continue;
+        if (member[u] || !search.near(plane, u, kFringe)) continue;
         member[u] = true;
         added.push_back(u);
       }
@@ -167,30 +174,30 @@ void add_fringe(const SupportPlaneFinder& finder, const Plane& plane, const Voxe
 
 }  // namespace
 
-PlaneVoxels find_support_plane(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                               const View& view, double distance, const StopToken& stop) {
-  StopCheck check(stop);
-  PlaneVoxels result;
-  result.member.assign(grid.size(), false);
-  if (grid.size() == 0) return result;
-  const SupportPlaneFinder finder(grid, normals, view, distance, check);
-  const std::optional<Plane> plane = finder.find();
-  if (!plane) return result;
+absl::Status find_support_plane(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                                const std::vector<Vec3>& normals, PlaneVoxels& found) {
+  StopCheck check(frame.stop);
+  found.plane = {};
+  found.member.assign(grid.size(), false);
+  if (grid.size() == 0) return check.status();
+  const SupportPlaneSearch search(frame, grid, normals, check);
+  const std::optional<Plane> plane = search.find();
+  if (!plane) return check.status();
   std::size_t members = 0;
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    result.member[v] = finder.holds(*plane, static_cast<std::uint32_t>(v), 1);
-    members += static_cast<std::size_t>(result.member[v]);
+    found.member[v] = search.holds(*plane, static_cast<std::uint32_t>(v), 1);
+    members += static_cast<std::size_t>(found.member[v]);
   });
   if (static_cast<double>(members) < kSmallestShare * static_cast<double>(grid.size())) {
-    result.member.assign(grid.size(), false);
-    return result;
+    found.member.assign(grid.size(), false);
+    return check.status();
   }
-  result.plane = {.normal = plane->normal, .offset = plane->offset};
-  add_fringe(finder, *plane, adjacency, check, result.member);
+  found.plane = {.normal = plane->normal, .offset = plane->offset};
+  add_fringe(search, *plane, adjacency, check, found.member);
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    if (result.member[v]) result.plane.points += grid.points[v];
+    if (found.member[v]) found.plane.points += grid.points[v];
   });
-  return result;
+  return check.status();
 }
 
 }  // namespace segserve

@@ -1,4 +1,5 @@
-#include "core/voxels/voxel_grid.hpp"
+// SPDX-License-Identifier: Apache-2.0
+#include "core/voxels/voxelization.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +12,7 @@
 #include <numeric>
 
 #include "test/core/support/clouds.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
@@ -22,10 +24,10 @@ struct Voxelized {
   VoxelGrid grid;
 };
 
-Voxelized run(const Cloud& cloud, double resolution = 0.01, unsigned threads = 1) {
-  VoxelizeScratch scratch;
+Voxelized run(const Cloud& cloud, double resolution = 0.01, std::uint32_t threads = 1) {
+  const test::TestFrame frame(cloud, {.voxel_resolution = resolution, .threads = threads});
   Voxelized result;
-  result.status = voxelize(cloud, resolution, threads, StopToken(), scratch, result.grid);
+  result.status = Voxelization().run(frame, result.grid);
   return result;
 }
 
@@ -35,13 +37,13 @@ std::string fault(const Cloud& cloud, double resolution = 0.01) {
   return std::string(status.message());
 }
 
-TEST(Voxelize, EqualsAnOrderedMapOfCells) {
+TEST(Voxelization, EqualsAnOrderedMapOfCells) {
   const Cloud cloud = test::random_cloud(5000, 0.3F, 0, View::world(0, 0, 5));
   struct Mean {
     double x = 0, y = 0, z = 0, red = 0;
     std::uint32_t n = 0;
   };
-  std::map<std::array<int, 3>, Mean> cells;  // by z, y, x, as keys sort
+  std::map<std::array<int, 3>, Mean> cells;  // by (z, y, x), the order of the keys
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const auto cell = [](float v) { return static_cast<int>(std::floor(v * 100.0F)); };
     Mean& mean = cells[{cell(cloud.z[i]), cell(cloud.y[i]), cell(cloud.x[i])}];
@@ -62,7 +64,7 @@ TEST(Voxelize, EqualsAnOrderedMapOfCells) {
   EXPECT_TRUE(std::ranges::is_sorted(grid.key));
 }
 
-TEST(Voxelize, SumsOfManyPointsAreExact) {
+TEST(Voxelization, SumsOfManyPointsAreExact) {
   Cloud cloud = test::unorganised();
   constexpr std::uint32_t kPoints = 100'003;
   for (std::uint32_t i = 0; i < kPoints; ++i)
@@ -75,8 +77,8 @@ TEST(Voxelize, SumsOfManyPointsAreExact) {
   EXPECT_NEAR(grid.centroid[0].y, 900.005F, 2e-6);
 }
 
-TEST(Voxelize, CameraCellsGrowWithTheDistance) {
-  // At twice the distance the same angle covers twice the length: as many voxels along x.
+TEST(Voxelization, CameraCellsGrowWithTheDistance) {
+  // At twice the distance the same angle covers twice the length, and there are as many voxels along x.
   for (const float z : {0.8F, 1.6F, 3.2F}) {
     Cloud cloud = test::unorganised(View::camera());
     for (int i = 0; i < 400; ++i) test::add(cloud, z * 0.001F * static_cast<float>(i), 0, z, 0);
@@ -84,7 +86,7 @@ TEST(Voxelize, CameraCellsGrowWithTheDistance) {
   }
 }
 
-TEST(Voxelize, PointsKnowTheirVoxels) {
+TEST(Voxelization, PointsKnowTheirVoxels) {
   Cloud cloud = test::unorganised();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   test::add(cloud, 0.005F, 0, 0, 1);
@@ -109,7 +111,7 @@ void expect_same_voxels(const VoxelGrid& a, const VoxelGrid& b) {
   EXPECT_EQ(a.color_sum, b.color_sum);
 }
 
-TEST(Voxelize, DependsNeitherOnThreadsNorOnTheOrderOfThePoints) {
+TEST(Voxelization, DependsNeitherOnThreadsNorOnTheOrderOfThePoints) {
   const Cloud cloud = test::random_cloud(20000, 0.5F, 1, View::camera());
   const VoxelGrid one = run(cloud).grid;
   for (const unsigned threads : {2U, 3U, 7U}) {
@@ -125,24 +127,24 @@ TEST(Voxelize, DependsNeitherOnThreadsNorOnTheOrderOfThePoints) {
   expect_same_voxels(one, run(test::permuted(cloud, order)).grid);
 }
 
-TEST(Voxelize, MoreThreadsThanPointsIsFine) {
+TEST(Voxelization, MayHaveMoreThreadsThanPoints) {
   Cloud cloud = test::unorganised();
   test::add(cloud, 0, 0, 0, 0);
   EXPECT_EQ(run(cloud, 0.01, 16).grid.size(), 1U);
 }
 
-TEST(Voxelize, ASecondCloudDoesNotSeeTheFirst) {
-  VoxelizeScratch scratch;
+TEST(Voxelization, ASecondCloudDoesNotSeeTheFirst) {
+  Voxelization voxelization;
   VoxelGrid grid;
   const Cloud large = test::random_cloud(60000, 1, 0, View::world());
   const Cloud small = test::random_cloud(50, 1, 0, View::world(), 2);
-  ASSERT_TRUE(voxelize(large, 0.01, 1, StopToken(), scratch, grid).ok());
-  ASSERT_TRUE(voxelize(small, 0.01, 1, StopToken(), scratch, grid).ok());
+  ASSERT_TRUE(voxelization.run(test::TestFrame(large, {.voxel_resolution = 0.01}), grid).ok());
+  ASSERT_TRUE(voxelization.run(test::TestFrame(small, {.voxel_resolution = 0.01}), grid).ok());
   expect_same_voxels(run(small).grid, grid);
   EXPECT_EQ(grid.finite_points, 50U);
 }
 
-TEST(Voxelize, CloudsWithoutAnyFinitePointHaveNoVoxels) {
+TEST(Voxelization, CloudsWithoutAnyFinitePointHaveNoVoxels) {
   Cloud cloud = test::unorganised(View::camera());
   test::add(cloud, std::numeric_limits<float>::quiet_NaN(), 1, 1, 0);
   const auto [status, grid] = run(cloud);
@@ -150,7 +152,7 @@ TEST(Voxelize, CloudsWithoutAnyFinitePointHaveNoVoxels) {
   EXPECT_EQ(grid.size(), 0U);
 }
 
-TEST(Voxelize, NamesThePointBehindTheCamera) {
+TEST(Voxelization, NamesThePointBehindTheCamera) {
   Cloud cloud = test::unorganised(View::camera());
   test::add(cloud, 0, 0, 1, 0);
   test::add(cloud, 0.5F, 0, -1, 0);
@@ -161,7 +163,7 @@ TEST(Voxelize, NamesThePointBehindTheCamera) {
   EXPECT_TRUE(run(cloud).status.ok());
 }
 
-TEST(Voxelize, NamesThePointBeyondTheGrid) {
+TEST(Voxelization, NamesThePointBeyondTheGrid) {
   Cloud cloud = test::unorganised();
   test::add(cloud, 0, 0, 0, 0);
   for (const float far : {1e30F, -1e30F, 3000.0F, std::numeric_limits<float>::max()}) {
@@ -174,7 +176,7 @@ TEST(Voxelize, NamesThePointBeyondTheGrid) {
   EXPECT_TRUE(run(cloud, 0.02).status.ok()) << "larger voxels reach further";
 }
 
-TEST(Voxelize, NamesThePointTooFarAside) {
+TEST(Voxelization, NamesThePointTooFarAside) {
   Cloud cloud = test::unorganised(View::camera());
   test::add(cloud, 1, 0, 1e-6F, 0);
   EXPECT_THAT(fault(cloud), HasSubstr("|x/z|"));
@@ -182,7 +184,7 @@ TEST(Voxelize, NamesThePointTooFarAside) {
   EXPECT_THAT(fault(cloud), HasSubstr("point 0"));
 }
 
-TEST(Voxelize, TheFirstWrongPointIsNamedWhateverTheThreads) {
+TEST(Voxelization, TheFirstWrongPointIsNamedWhateverTheThreads) {
   Cloud cloud = test::random_cloud(9000, 0.5F, 1, View::camera());
   cloud.z[4321] = -1;
   cloud.z[8000] = -1;
@@ -191,12 +193,12 @@ TEST(Voxelize, TheFirstWrongPointIsNamedWhateverTheThreads) {
   }
 }
 
-TEST(Voxelize, StopsWhenAsked) {
+TEST(Voxelization, StopsWhenAsked) {
   const Cloud cloud = test::random_cloud(100, 0.5F, 1, View::camera());
-  VoxelizeScratch scratch;
   VoxelGrid grid;
   const StopToken late(nullptr, StopToken::Clock::now() - std::chrono::seconds(1));
-  EXPECT_EQ(voxelize(cloud, 0.01, 1, late, scratch, grid).code(), absl::StatusCode::kDeadlineExceeded);
+  const absl::Status status = Voxelization().run(test::TestFrame(cloud, {}, late), grid);
+  EXPECT_EQ(status.code(), absl::StatusCode::kDeadlineExceeded);
 }
 
 }  // namespace

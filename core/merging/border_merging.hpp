@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "core/base/frame_context.hpp"
+#include "core/math/vec3.hpp"
+#include "core/merging/merger.hpp"
+#include "core/region_graph/borders.hpp"
+#include "core/region_graph/region_graph.hpp"
+#include "core/supervoxels/growth.hpp"
+#include "core/voxels/voxel_grid.hpp"
+#include "core/weights/border_metric.hpp"
+#include "segserve/merge_tree.hpp"
+
+namespace segserve {
+
+/// Merges the regions of a graph by the evidence along the borders between their supervoxels. Keeps its buffers between
+/// frames.
+class BorderMerging {
+ public:
+  /// Sets the merge tree. CANCELLED, DEADLINE_EXCEEDED.
+  absl::Status run(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                   const Supervoxels& supervoxels, const RegionGraph& graph, MergeTree& tree);
+
+ private:
+  std::vector<Border> borders_;
+  Merger<BorderMetric>::Scratch scratch_;
+};
+
+}  // namespace segserve
