@@ -58,6 +58,7 @@ std::uint64_t StreamCore::accept(Payload payload, FrameOptions options, Time now
   outcome.frame_id = options.frame_id;
   outcome.stamp = options.stamp;
   outcome.report.handed_over = now;
+  frame.raw.outputs = options.outputs.value_or(options_.outputs);
   frame.options = std::move(options);
   frames_.emplace(frame.sequence, std::move(frame));
   return last_sequence_;
@@ -96,7 +97,6 @@ void StreamCore::end_frame(Frame& frame, OutcomeKind kind, absl::Status status, 
   if (frame.raw.outcome.report.outcome_begun == Time{}) frame.raw.outcome.report.outcome_begun = now;
   if (kind == OutcomeKind::kResult) {
     frame.raw.payload = frame.payload;
-    frame.raw.outputs = frame.options.outputs.value_or(options_.outputs);
   }
   frame.payload = {};
   done_.push_back(frame.sequence);

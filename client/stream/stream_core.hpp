@@ -21,7 +21,7 @@ struct RawOutcome {
   Outcome outcome;
   v1::SegmentationResult message;  ///< kResult and not local
   Payload payload;                 ///< kResult: what it is the result of
-  wire::Outputs outputs;           ///< kResult: what was asked for
+  wire::Outputs outputs;           ///< what was asked for, known since the frame was accepted
 };
 
 /// All that a stream decides, without threads, transport or clock: which frame goes where and when, what is sent

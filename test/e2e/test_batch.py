@@ -71,6 +71,14 @@ class Batch(EndToEnd):
         self.assertEqual(json.loads((self.outputs / "scene1.json").read_text())["server"], self.server.address)
         self.assertEqual(self.contents(), here)
 
+    def test_describes_segments_if_it_falls_back(self):
+        done = self.batch("--segments", "--server", "127.0.0.1:1", "--fallback-local", where=())
+        self.assertEqual(done.returncode, SUCCESS)
+        self.assertEqual(set(self.states(done).values()), {"segmented"})
+        told = json.loads((self.outputs / "scene2.json").read_text())
+        expected = self.segment_locally(self.inputs / "scene2.pcd", "--segments")[1]["segment_statistics"]
+        self.assertEqual(told["segment_statistics"], expected)
+
     def test_goes_on_where_it_stopped(self):
         self.batch()
         (self.outputs / "scene2.pcd").unlink()

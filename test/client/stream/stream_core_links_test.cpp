@@ -166,6 +166,21 @@ TEST(StreamCore, LocalWorkNeedsEveryAddressToHaveFailed) {
   EXPECT_TRUE(bench.last_.report.local);
 }
 
+TEST(StreamCore, ALocalJobHasTheFramesOutputsOrElseTheStreams) {
+  Bench bench({.outputs = {.labels = true, .segments = true}, .max_waiting = 2, .fallback_to_local = true}, {"a"});
+  bench.send();
+  bench.send({.options = Options{.lambda = 0.25}, .outputs = wire::Outputs{.labels = false, .tree = true}});
+  bench.act();
+  bench.close(absl::UnavailableError("gone"));
+  const auto of_stream = bench.core_.take_local_job(bench.now_);
+  const auto of_frame = bench.core_.take_local_job(bench.now_);
+  ASSERT_TRUE(of_stream && of_frame);
+  EXPECT_EQ(of_stream->outputs, (wire::Outputs{.labels = true, .segments = true}));
+  EXPECT_EQ(of_stream->options, Options{});
+  EXPECT_EQ(of_frame->outputs, (wire::Outputs{.labels = false, .tree = true}));
+  EXPECT_EQ(of_frame->options, Options{.lambda = 0.25});
+}
+
 TEST(StreamCore, TheLastOutcomeHalfClosesAndNothingIsReopened) {
   Bench bench;
   bench.open();

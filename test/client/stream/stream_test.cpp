@@ -258,6 +258,20 @@ TEST_F(StreamTest, SegmentsHereWithoutServerIfToldTo) {
   EXPECT_EQ(outcomes[1].result->segmentation.labels, local->labels);
 }
 
+TEST_F(StreamTest, DescribesSegmentsHereWithoutServerIfAskedTo) {
+  a_.stop();
+  const Cloud cloud = table_scene();
+  Segmentation local = segment(cloud, {}).value();
+  ASSERT_TRUE(describe(cloud, 1, {}, local).ok());
+  StreamOptions independent = options();
+  independent.fallback_to_local = true;
+  independent.outputs = {.labels = true, .segments = true};
+  auto stream = client_of_a().open_stream(independent);
+  const auto outcomes = run(*stream, {cloud});
+  expect_all_results(outcomes, 1);
+  EXPECT_EQ(outcomes[0].result->segmentation.statistics, local.statistics);
+}
+
 TEST_F(StreamTest, AServerWithoutStreamsIsAnErrorOfEveryFrame) {
   a_.refuses_streams = true;
   auto stream = client_of_a().open_stream(options());
