@@ -27,6 +27,7 @@ StreamDriver::StreamDriver(std::shared_ptr<Channels> channels, StreamOptions opt
 
 void StreamDriver::start() {
   thread_ = std::thread([this] { drive(); });
+  if (options_.on_outcome) callback_thread_ = std::thread([this] { call_back(); });
   if (options_.fallback_to_local) local_thread_ = std::thread([this] { segment_locally(); });
 }
 
@@ -39,6 +40,7 @@ void StreamDriver::stop() {
     changed();
   }
   if (thread_.joinable()) thread_.join();
+  if (callback_thread_.joinable()) callback_thread_.join();
   if (local_thread_.joinable()) local_thread_.join();
 }
 
@@ -154,10 +156,9 @@ void StreamDriver::drive() {
     std::vector<std::shared_ptr<void>> ended = std::exchange(ended_, {});
     lock.unlock();
     ended.clear();
-    if (over) return call_back();
+    if (over) return;
     for (const StreamCore::Action& action : tick.actions) perform(action);
     pump();
-    call_back();
     lock.lock();
     // What the core did in tick() concerns those who wait for outcomes or for room, too.
     changed_.notify_all();
@@ -166,13 +167,15 @@ void StreamDriver::drive() {
 }
 
 void StreamDriver::call_back() {
-  if (!options_.on_outcome) return;
+  std::unique_lock lock(mutex_);
   while (true) {
-    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return core_.has_outcome() || core_.exhausted(); });
     auto raw = core_.take_outcome();
     if (!raw) return;
     calling_back_ = true;
+    changed();  // there may be room for another frame now
     lock.unlock();
+    pump();
     options_.on_outcome(finished(*std::move(raw)));
     lock.lock();
     calling_back_ = false;

@@ -17,8 +17,8 @@
 
 namespace segserve::client {
 
-/// Brings a StreamCore to life: a mutex around it, a thread that lets time pass and calls back the application, calls
-/// that carry the messages, and a thread for segmentation in this process once that is needed.
+/// Brings a StreamCore to life: a mutex around it, a thread that lets time pass, one that calls back the application if
+/// that is asked for, calls that carry the messages, and a thread for segmentation in this process once that is needed.
 class StreamDriver final : public StreamCallListener {
  public:
   StreamDriver(std::shared_ptr<Channels> channels, StreamOptions options);
@@ -68,7 +68,7 @@ class StreamDriver final : public StreamCallListener {
   std::vector<std::shared_ptr<void>> ended_;  // calls and probes that the driver's thread shall destroy
   bool stopping_ = false;
   std::atomic<bool> stop_local_{false};
-  std::thread thread_, local_thread_;
+  std::thread thread_, callback_thread_, local_thread_;
 };
 
 /// The result of a frame as the application gets it.

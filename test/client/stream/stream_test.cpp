@@ -95,20 +95,6 @@ TEST_F(StreamTest, EchoesAndReports) {
   EXPECT_LE(report.outcome_begun, report.outcome_done);
 }
 
-TEST_F(StreamTest, CallsBackInsteadIfAsked) {
-  std::mutex mutex;
-  std::vector<std::uint64_t> seen;
-  StreamOptions with_callback = options();
-  with_callback.on_outcome = [&](Outcome outcome) {
-    const std::lock_guard lock(mutex);
-    seen.push_back(outcome.sequence);
-  };
-  auto stream = client_of_a().open_stream(with_callback);
-  ASSERT_TRUE(stream.ok()) << stream.status();
-  EXPECT_TRUE(run(*stream, many(10)).empty());
-  EXPECT_THAT(seen, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
-}
-
 TEST_F(StreamTest, AFailedFrameDoesNotEndTheStream) {
   a_.answer = [](const auto& header) { return header.sequence() == 2 ? FakeServer::kInvalid : FakeServer::kResult; };
   auto stream = client_of_a().open_stream(options());
@@ -309,18 +295,6 @@ TEST_F(StreamTest, TheDeadlineOfAFrameHoldsWhateverTheServerDoes) {
   const auto outcome = stream->next();
   ASSERT_TRUE(outcome.has_value());
   EXPECT_TRUE(absl::IsDeadlineExceeded(outcome->status)) << outcome->status;
-}
-
-TEST_F(StreamTest, AStreamThatGoesEndsItsFramesAsCancelled) {
-  a_.answer = [](const auto&) { return FakeServer::kNothing; };
-  std::vector<OutcomeKind> kinds;
-  StreamOptions with_callback = options();
-  with_callback.on_outcome = [&](const Outcome& outcome) { kinds.push_back(outcome.kind); };
-  {
-    auto stream = client_of_a().open_stream(with_callback);
-    for (const Cloud& frame : many(3)) ASSERT_TRUE(stream->send(frame).ok());
-  }
-  EXPECT_EQ(kinds, std::vector<OutcomeKind>(3, OutcomeKind::kCancelled));
 }
 
 TEST_F(StreamTest, RefusesOptionsThatMakeNoSenseAllAtOnce) {

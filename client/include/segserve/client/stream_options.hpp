@@ -64,8 +64,8 @@ struct StreamOptions {
   /// When no address is in reach, segment in this process, by the same core.
   bool fallback_to_local = false;
 
-  /// Gets every outcome, one at a time, in a thread of the stream's; next() then gives none. Must not
-  /// destroy the stream.
+  /// Gets every outcome, one at a time, on a thread that does nothing else; next() then gives none. It may take its
+  /// time and may call send(). It must not destroy the stream and must not throw.
   std::function<void(Outcome)> on_outcome = nullptr;
 };
 
