@@ -11,8 +11,8 @@
 #include "grpcpp/resource_quota.h"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
-#include "server/listen_address.hpp"
-#include "server/service.hpp"
+#include "server/options/listen_address.hpp"
+#include "server/rpc/segmentation_service.hpp"
 #include "spdlog/spdlog.h"
 
 namespace segserve::server {
@@ -33,8 +33,8 @@ void check_range(const char* flag, Value value, Value minimum, Value maximum, st
 
 class GrpcServer final : public Server {
  public:
-  GrpcServer(const ServerOptions& options, const SegmenterFactory& make_segmenter)
-      : grace_period_(options.grace_period), drain_delay_(options.drain_delay), service_(options, make_segmenter) {}
+  GrpcServer(const ServerOptions& options, const BackendFactory& make_backend)
+      : grace_period_(options.grace_period), drain_delay_(options.drain_delay), service_(options, make_backend) {}
   GrpcServer(const GrpcServer&) = delete;
   GrpcServer& operator=(const GrpcServer&) = delete;
   ~GrpcServer() override { stop(); }
@@ -125,12 +125,12 @@ std::vector<FieldViolation> violations(const ServerOptions& options) {
   return faults;
 }
 
-absl::StatusOr<std::unique_ptr<Server>> Server::start(ServerOptions options, const SegmenterFactory& make_segmenter) {
+absl::StatusOr<std::unique_ptr<Server>> Server::start(ServerOptions options, const BackendFactory& make_backend) {
   if (const absl::Status status = wire::invalid_fields(violations(options)); !status.ok()) return status;
   const absl::StatusOr<ListenAddress> address = parse_listen_address(options.listen);
   if (!address.ok()) return address.status();
   if (options.workers == 0) options.workers = std::max(1U, std::thread::hardware_concurrency());
-  auto server = std::make_unique<GrpcServer>(options, make_segmenter);
+  auto server = std::make_unique<GrpcServer>(options, make_backend);
   if (const absl::Status status = server->listen(*address); !status.ok()) return status;
   return server;
 }

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/segmenter_interface.hpp"
-#include "server/server_options.hpp"
+#include "server/frames/segmentation_backend.hpp"
+#include "server/options/server_options.hpp"
 
 namespace segserve::server {
 
@@ -18,8 +18,8 @@ class Server {
  public:
   /// Listens and serves from the return on. INVALID_ARGUMENT for wrong options (all of them named),
   /// UNAVAILABLE if the address cannot be bound.
-  static absl::StatusOr<std::unique_ptr<Server>> start(
-      ServerOptions options, const SegmenterFactory& make_segmenter = core_segmenter_factory());
+  static absl::StatusOr<std::unique_ptr<Server>> start(ServerOptions options,
+                                                       const BackendFactory& make_backend = core_backend_factory());
 
   /// Stops as `stop` does.
   virtual ~Server() = default;

@@ -4,7 +4,7 @@
 #include <functional>
 
 #include "absl/status/statusor.h"
-#include "server/segmenter_interface.hpp"
+#include "server/frames/segmentation_backend.hpp"
 
 namespace segserve::server {
 
@@ -16,7 +16,7 @@ struct FrameJob {
   /// true: queue it even if the queue is full. The stream's credit has bounded such frames before they came.
   bool may_exceed_queue = false;
   /// Must not throw.
-  std::function<void(SegmenterInterface&)> run;
+  std::function<void(SegmentationBackend&)> run;
 };
 
 /// Where the frames of a stream are computed: the worker pool, or a test. No function waits for a job, and none calls

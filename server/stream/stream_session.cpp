@@ -5,21 +5,13 @@
 
 #include "fmt/format.h"
 #include "proto/wire/status_message.hpp"
-#include "server/draining.hpp"
+#include "server/scheduling/refusals.hpp"
 #include "server/stream/protocol_violation.hpp"
 
 namespace segserve::server {
 namespace {
 
 using State = StreamFrame::State;
-
-constexpr std::chrono::milliseconds kRetryOpen{1000};
-
-absl::Status no_credit_left() {
-  return wire::with_details(
-      absl::ResourceExhaustedError("all credit of this server is given to other streams; try again later"),
-      {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = kRetryOpen});
-}
 
 }  // namespace
 

@@ -87,7 +87,7 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   void end_with(const absl::Status& status);
 
   /// On a worker.
-  void run(const FramePointer& frame, SegmenterInterface& segmenter);
+  void run(const FramePointer& frame, SegmentationBackend& segmenter);
 
   const StreamSettings& settings_;
   FrameExecutor& executor_;

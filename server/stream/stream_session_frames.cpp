@@ -4,9 +4,9 @@
 
 #include "absl/strings/escaping.h"
 #include "fmt/format.h"
-#include "server/draining.hpp"
-#include "server/frame_processing.hpp"
-#include "server/no_throw.hpp"
+#include "server/frames/catch_exceptions.hpp"
+#include "server/frames/frame_computation.hpp"
+#include "server/scheduling/refusals.hpp"
 #include "server/stream/protocol_violation.hpp"
 #include "server/stream/stream_session.hpp"
 #include "spdlog/spdlog.h"
@@ -110,7 +110,7 @@ absl::Status StreamSession::submit(const FramePointer& frame) {
                            std::uint64_t{frame->header.cloud().width()} * frame->header.cloud().height()),
         .bytes = frame->header.encoded_bytes(),
         .may_exceed_queue = when_behind_ == v1::WHEN_BEHIND_UNSPECIFIED || when_behind_ == v1::WHEN_BEHIND_BLOCK,
-        .run = [self = shared_from_this(), frame](SegmenterInterface& segmenter) { self->run(frame, segmenter); }};
+        .run = [self = shared_from_this(), frame](SegmentationBackend& segmenter) { self->run(frame, segmenter); }};
     absl::StatusOr<FrameExecutor::Ticket> ticket = executor_.submit(std::move(job));
     if (ticket.ok()) {
       frame->ticket = *ticket;
@@ -170,7 +170,7 @@ void StreamSession::send_in_order() {
   }
 }
 
-void StreamSession::run(const FramePointer& frame, SegmenterInterface& segmenter) {
+void StreamSession::run(const FramePointer& frame, SegmentationBackend& segmenter) {
   {
     const std::lock_guard lock(mutex_);
     if (frame->state == State::kDone) return;
@@ -178,7 +178,7 @@ void StreamSession::run(const FramePointer& frame, SegmenterInterface& segmenter
     ++running_;
   }
   const StopToken stop(&frame->stopped, frame->expiry);
-  absl::StatusOr<v1::SegmentationResult> result = no_throw([&] {
+  absl::StatusOr<v1::SegmentationResult> result = catch_exceptions([&] {
     return process({frame->header.cloud(), frame->parsed, frame->arrival}, settings_.limits, segmenter, stop);
   });
   const absl::Status status = result.status();

@@ -14,9 +14,9 @@
 
 #include "fmt/format.h"
 #include "segserve/client/client.hpp"
-#include "server/segmenter_interface.hpp"
+#include "server/frames/segmentation_backend.hpp"
 #include "server/server.hpp"
-#include "server/worker_pool.hpp"
+#include "server/scheduling/worker_pool.hpp"
 #include "test/bench/frames.hpp"
 
 namespace segserve::bench {
@@ -74,8 +74,8 @@ void measure_overhead(int count) {
 
 /// Frames a second of `workers` workers.
 double frames_per_second(std::size_t workers, int count) {
-  std::vector<std::unique_ptr<server::SegmenterInterface>> segmenters(workers);
-  std::ranges::generate(segmenters, server::core_segmenter_factory());
+  std::vector<std::unique_ptr<server::SegmentationBackend>> segmenters(workers);
+  std::ranges::generate(segmenters, server::core_backend_factory());
   const Cloud& cloud = frames().front().cloud;
   for (auto& segmenter : segmenters) (void)segmenter->segment(cloud, {}, {});
   const Clock::time_point begin = Clock::now();

@@ -29,9 +29,9 @@ constexpr const char* kNobody = "127.0.0.1:1";
 
 class ClientTest : public testing::Test {
  protected:
-  void SetUp() override { start(server::core_segmenter_factory()); }
+  void SetUp() override { start(server::core_backend_factory()); }
 
-  void start(const server::SegmenterFactory& segmenter) {
+  void start(const server::BackendFactory& segmenter) {
     server::ServerOptions options;
     options.listen = "127.0.0.1:0";
     auto server = server::Server::start(options, segmenter);
@@ -191,7 +191,7 @@ TEST_F(ClientTest, ServesSeveralThreadsAtOnce) {
 }
 
 /// Computes until it is told to stop.
-class EndlessSegmenter final : public server::SegmenterInterface {
+class EndlessSegmenter final : public server::SegmentationBackend {
  public:
   absl::StatusOr<Segmentation> segment(const CloudView&, const Options&, const StopToken& stop) override {
     while (stop.check().ok()) std::this_thread::sleep_for(milliseconds(1));

@@ -1,6 +1,6 @@
 // How a stream ends. Clock and workers are in the test's hands.
 #include "gtest/gtest.h"
-#include "test/server/stream/session_harness.hpp"
+#include "test/server/support/session_harness.hpp"
 
 namespace segserve::server {
 namespace {

@@ -3,7 +3,7 @@
 #include <thread>
 
 #include "gmock/gmock.h"
-#include "test/server/stream/session_harness.hpp"
+#include "test/server/support/session_harness.hpp"
 
 namespace segserve::server {
 namespace {

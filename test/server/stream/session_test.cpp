@@ -1,7 +1,7 @@
 // The protocol of stream.proto without a transport, with the clock and the workers in the test's hands: what comes in
 // and what goes out, credit, faults.
 #include "gmock/gmock.h"
-#include "test/server/stream/session_harness.hpp"
+#include "test/server/support/session_harness.hpp"
 
 namespace segserve::server {
 namespace {

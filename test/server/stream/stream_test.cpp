@@ -5,8 +5,8 @@
 #include "gmock/gmock.h"
 #include "proto/wire/result_message.hpp"
 #include "test/proto/example_messages.hpp"
-#include "test/server/running_server.hpp"
-#include "test/server/stream/session_harness.hpp"
+#include "test/server/support/running_server.hpp"
+#include "test/server/support/session_harness.hpp"
 
 namespace segserve::server {
 namespace {

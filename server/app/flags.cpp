@@ -1,0 +1,100 @@
+#include "server/app/flags.hpp"
+
+#include <chrono>
+#include <map>
+
+#include "CLI/CLI.hpp"
+#include "fmt/format.h"
+#include "server/server.hpp"
+#include "server/version.hpp"
+
+namespace segserve::server {
+namespace {
+
+constexpr int kUsageError = 2;
+
+constexpr const char* kExamples = R"(Examples:
+  segserve                                      serve on 127.0.0.1:50051, one worker per CPU
+  segserve --listen 127.0.0.1:0 --port-file p   pick a free port and write it to the file p
+  segserve --listen unix:/run/segserve.sock     serve this machine only, on a unix socket
+  segserve --workers 4 --threads 2 --queue 16   4 calls at a time, up to 2 threads each, 16 may wait
+
+SIGTERM and SIGINT stop it: health turns NOT_SERVING, new calls are refused, calls in flight finish within
+the grace period. Exit codes: 0 stopped by a signal, 1 cannot serve, 2 wrong flags.)";
+
+const std::map<std::string, spdlog::level::level_enum> kLogLevels = {
+    {"debug", spdlog::level::debug}, {"info", spdlog::level::info}, {"warn", spdlog::level::warn},
+    {"error", spdlog::level::err},   {"off", spdlog::level::off},
+};
+
+/// A duration in seconds, e.g. 0.5.
+void add_seconds(CLI::App& app, const std::string& name, const std::string& help, std::chrono::milliseconds& value) {
+  const auto set = [&value](const double& seconds) {
+    value = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
+  };
+  app.add_option_function<double>(name, set, help)
+      ->check(CLI::Range(0.0, 86'400.0).description(""))
+      ->type_name("SECONDS")
+      ->default_str(fmt::format("{}", std::chrono::duration<double>(value).count()));
+}
+
+}  // namespace
+
+std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
+  Flags flags;
+  ServerOptions& server = flags.server;
+
+  CLI::App app("Segments coloured 3D point clouds, over gRPC.", "segserve");
+  app.footer(kExamples);
+  app.get_formatter()->column_width(36);
+  app.set_version_flag("--version", fmt::format("segserve {}", kVersion));
+  app.add_option("--listen", server.listen, "Address: HOST:PORT, [IPv6]:PORT or unix:PATH; port 0 picks a free one")
+      ->type_name("ADDRESS")
+      ->capture_default_str();
+  app.add_flag("--insecure-beyond-loopback", server.insecure_beyond_loopback,
+               "Serve plain text on an address that other machines can reach");
+  app.add_option("--port-file", flags.port_file, "Write the port to this file once the server is ready")
+      ->type_name("PATH");
+  app.add_option("--workers", server.workers, "Calls computed at the same time; 0: one per CPU")->capture_default_str();
+  app.add_option("--threads", server.threads, "Most threads within one call")->capture_default_str();
+  app.add_option("--queue", server.queue, "Calls that may wait for a worker; one more is refused")
+      ->capture_default_str();
+  app.add_option("--queue-bytes", server.queue_bytes, "Most bytes of all requests that wait or are computed")
+      ->capture_default_str();
+  app.add_option("--queue-points", server.queue_points, "Most points of all clouds that wait or are computed")
+      ->capture_default_str();
+  app.add_option("--stream-frames", server.stream_frames, "Most frames that one stream may have on their way")
+      ->capture_default_str();
+  app.add_option("--stream-bytes", server.stream_bytes, "Most bytes of payload that one stream may have on their way")
+      ->capture_default_str();
+  app.add_option("--all-streams-bytes", server.all_streams_bytes, "The same of all streams together")
+      ->capture_default_str();
+  app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
+  app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
+      ->capture_default_str();
+  app.add_flag("--enable-draco", server.enable_draco,
+               "Accept Draco payloads; its library has known faults with hostile bytes");
+  add_seconds(app, "--grace-period", "Seconds that calls in flight have when the server stops", server.grace_period);
+  add_seconds(app, "--drain-delay", "Seconds for which a stopping server still refuses calls before it closes",
+              server.drain_delay);
+  app.add_option("--log-level", flags.log_level, "debug (one line a call), info, warn, error or off")
+      ->transform(CLI::CheckedTransformer(kLogLevels, CLI::ignore_case).description(""))
+      ->type_name("LEVEL")
+      ->default_str("info");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? 0 : kUsageError;
+  }
+
+  const std::vector<FieldViolation> faults = violations(server);
+  for (const FieldViolation& fault : faults) {
+    fmt::print(stderr, "segserve: --{}: {}\n", fault.field, fault.description);
+  }
+  if (!faults.empty()) return kUsageError;
+  return flags;
+}
+
+}  // namespace segserve::server

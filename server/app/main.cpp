@@ -1,0 +1,88 @@
+#include <malloc.h>
+#include <pthread.h>
+
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "fmt/format.h"
+#include "grpc/support/log.h"
+#include "server/app/flags.hpp"
+#include "server/server.hpp"
+#include "server/version.hpp"
+#include "spdlog/sinks/stdout_color_sinks.h"
+#include "spdlog/spdlog.h"
+
+namespace {
+
+/// Blocks the signals that stop us, for every thread that is started from now on.
+sigset_t block_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+/// Clouds are buffers of megabytes. By default malloc maps and unmaps each of them, and every page faults anew,
+/// which costs half of the transport's time: keep them in the heap.
+void tune_malloc() {
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 256 << 20);
+}
+
+/// gRPC's own lines (it calls everything an error) go to our log, and only to those who debug.
+void log_grpc(gpr_log_func_args* line) { spdlog::debug("grpc: {}:{}: {}", line->file, line->line, line->message); }
+
+void start_logging(spdlog::level::level_enum level) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("segserve"));
+  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
+  spdlog::set_level(level);
+  gpr_set_log_function(log_grpc);
+}
+
+/// Whoever waits for the file finds it whole or not at all.
+bool write_port_file(const std::string& path, int port) {
+  const std::string temporary = path + ".tmp";
+  std::ofstream(temporary) << port << '\n';
+  std::error_code error;
+  std::filesystem::rename(temporary, path, error);
+  return !error;
+}
+
+int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
+  absl::StatusOr<std::unique_ptr<segserve::server::Server>> server = segserve::server::Server::start(flags.server);
+  if (!server.ok()) {
+    fmt::print(stderr, "segserve: {}\n", std::string(server.status().message()));
+    return 1;
+  }
+  if (!flags.port_file.empty() && !write_port_file(flags.port_file, (*server)->port())) {
+    fmt::print(stderr, "segserve: cannot write the port to {}\n", flags.port_file);
+    return 1;
+  }
+  spdlog::info("segserve {} serves on {}", segserve::server::kVersion, (*server)->address());
+
+  int signal = 0;
+  sigwait(&stop_signals, &signal);
+  spdlog::info("{}: stopping, {} calls in flight", sigabbrev_np(signal), (*server)->calls());
+  (*server)->stop();
+  spdlog::info("stopped");
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const sigset_t stop_signals = block_stop_signals();
+  tune_malloc();
+  const auto flags = segserve::server::parse_flags(argc, argv);
+  if (const int* exit_code = std::get_if<int>(&flags)) return *exit_code;
+  start_logging(std::get<segserve::server::Flags>(flags).log_level);
+  return serve(std::get<segserve::server::Flags>(flags), stop_signals);
+}

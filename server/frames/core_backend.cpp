@@ -1,0 +1,22 @@
+#include "server/frames/segmentation_backend.hpp"
+
+namespace segserve::server {
+namespace {
+
+class CoreBackend final : public SegmentationBackend {
+ public:
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop) override {
+    return segmenter_.segment(cloud, options, stop);
+  }
+
+ private:
+  Segmenter segmenter_;
+};
+
+}  // namespace
+
+BackendFactory core_backend_factory() {
+  return [] { return std::make_unique<CoreBackend>(); };
+}
+
+}  // namespace segserve::server

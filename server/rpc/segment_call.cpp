@@ -1,0 +1,131 @@
+#include "server/rpc/segment_call.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "absl/strings/escaping.h"
+#include "proto/wire/status_message.hpp"
+#include "proto/wire/transport_limits.hpp"
+#include "server/frames/catch_exceptions.hpp"
+#include "server/frames/frame_computation.hpp"
+#include "server/scheduling/refusals.hpp"
+#include "spdlog/spdlog.h"
+
+namespace segserve::server {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// gRPC tells deadlines by the wall clock, and "none" by its greatest time.
+std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerContext& context) {
+  const auto deadline = context.deadline();
+  if (deadline == std::chrono::system_clock::time_point::max()) return std::nullopt;
+  return Clock::now() + std::chrono::duration_cast<Clock::duration>(deadline - std::chrono::system_clock::now());
+}
+
+/// Points of a cloud that is not decoded yet, for the queue: what its shape says, or what its bytes suggest.
+std::uint64_t estimated_points(const v1::Cloud& cloud, const codec::DecodeLimits& limits) {
+  constexpr std::uint64_t kTypicalBytesPerPoint = 16;
+  const std::uint64_t claimed = std::uint64_t{cloud.width()} * cloud.height();
+  return std::min(limits.max_points, claimed != 0 ? claimed : cloud.ByteSizeLong() / kTypicalBytesPerPoint);
+}
+
+/// One line for the log. What callers chose is escaped, so that it cannot forge lines.
+void log_call(const grpc::CallbackServerContext& context, const std::string& request_id,
+              const v1::ResultSummary& summary, const absl::Status& status) {
+  if (!spdlog::should_log(spdlog::level::debug)) return;
+  const std::string id = absl::CHexEscape(request_id.substr(0, 64));
+  if (status.ok()) {
+    spdlog::debug("Segment from {}, id '{}': OK, {} points, {} segments, queue {:.1f} ms, total {:.1f} ms",
+                  context.peer(), id, summary.points(), summary.segments(), summary.timings().queue_ms(),
+                  summary.timings().total_ms());
+  } else {
+    spdlog::debug("Segment from {}, id '{}': {}", context.peer(), id,
+                  absl::CHexEscape(status.ToString(absl::StatusToStringMode::kWithNoExtraData)));
+  }
+}
+
+}  // namespace
+
+SegmentCall::SegmentCall(SegmentationService& service, const grpc::CallbackServerContext& context,
+                         grpc::ByteBuffer& response)
+    : service_(service),
+      context_(context),
+      response_(response),
+      arrival_(Clock::now()),
+      deadline_(steady_deadline(context)) {}
+
+void SegmentCall::start(grpc::ByteBuffer& request) {
+  const absl::Status status = catch_exceptions([&] { return admit(request); });
+  if (!status.ok()) finish(status);
+}
+
+absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
+  const std::uint64_t bytes = request.Length();
+  if (bytes > wire::kMaxRequestBytes) {
+    return wire::limit_exceeded("the request has", bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
+  }
+  if (!grpc::SerializationTraits<v1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
+    return wire::with_reason(absl::InvalidArgumentError("the request is no serialised SegmentRequest"),
+                             v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  }
+  absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_request(request_, service_.defaults_);
+  if (!parsed.ok()) return parsed.status();
+  parsed->options.threads = std::min(parsed->options.threads, service_.max_threads_);
+
+  // Calls on one connection are one client's. Many programs share an address, and names can be made up.
+  JobInfo info{
+      .client = context_.peer(), .points = estimated_points(request_.cloud(), service_.limits_), .bytes = bytes};
+  Job job{.run = [this, parsed = *std::move(parsed)](std::size_t worker) { run(worker, parsed); },
+          .evicted = [this] { finish(evicted_from_queue(service_.pool_.retry_delay())); }};
+  const auto submitted = service_.pool_.submit(std::move(info), std::move(job));
+  if (const Refusal* refusal = std::get_if<Refusal>(&submitted)) {
+    return queue_full(*refusal, service_.pool_.retry_delay());
+  }
+  ticket_ = std::get<WorkerPool::Ticket>(submitted);
+  return absl::OkStatus();
+}
+
+void SegmentCall::run(std::size_t worker, const wire::ParsedRequest& parsed) {
+  finish(catch_exceptions([&] {
+    return answer(
+        process({request_.cloud(), parsed, arrival_}, service_.limits_, *service_.backends_[worker], stop_token()));
+  }));
+}
+
+absl::Status SegmentCall::answer(absl::StatusOr<v1::SegmentationResult> result) {
+  if (!result.ok()) return result.status();
+  summary_ = result->summary();
+  v1::SegmentResponse response;
+  response.set_request_id(request_.request_id());
+  response.set_frame_id(request_.frame_id());
+  if (request_.has_stamp()) *response.mutable_stamp() = request_.stamp();
+  *response.mutable_result() = *std::move(result);
+  bool owns_buffer = false;
+  const grpc::Status status =
+      grpc::SerializationTraits<v1::SegmentResponse>::Serialize(response, &response_, &owns_buffer);
+  return status.ok() ? absl::OkStatus() : absl::InternalError("the answer cannot be serialised");
+}
+
+void SegmentCall::OnCancel() {
+  cancelled_ = true;
+  if (ticket_ && service_.pool_.withdraw(*ticket_)) {
+    finish(deadline_ && Clock::now() >= *deadline_
+               ? absl::DeadlineExceededError("the deadline passed while the call waited for a worker")
+               : absl::CancelledError("cancelled while the call waited for a worker"));
+  }
+}
+
+void SegmentCall::finish(const absl::Status& status) {
+  log_call(context_, request_.request_id(), summary_, status);
+  Finish(wire::to_grpc(status));  // from here on `this` may be gone
+}
+
+void SegmentCall::OnDone() {
+  InFlightCalls& gate = service_.gate_;
+  delete this;
+  gate.leave();  // last: the service may end as soon as nobody is in
+}
+
+}  // namespace segserve::server

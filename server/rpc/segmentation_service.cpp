@@ -1,0 +1,107 @@
+#include "server/rpc/segmentation_service.hpp"
+
+#include <algorithm>
+
+#include "fmt/format.h"
+#include "proto/wire/byte_run.hpp"
+#include "proto/wire/status_message.hpp"
+#include "server/rpc/segment_call.hpp"
+#include "server/rpc/server_info.hpp"
+#include "server/scheduling/refusals.hpp"
+#include "server/stream/pool_frame_executor.hpp"
+#include "server/stream/session_transport.hpp"
+#include "spdlog/spdlog.h"
+
+namespace segserve::server {
+namespace {
+
+constexpr std::uint64_t kUsualStreamBytes = std::uint64_t{32} << 20U;
+constexpr std::chrono::milliseconds kTick{50};
+
+std::vector<std::unique_ptr<SegmentationBackend>> make_backends(std::size_t count, const BackendFactory& make) {
+  std::vector<std::unique_ptr<SegmentationBackend>> segmenters(count);
+  std::ranges::generate(segmenters, make);
+  return segmenters;
+}
+
+StreamSettings stream_settings(const ServerOptions& options, const v1::GetServerInfoResponse& info) {
+  StreamSettings settings;
+  settings.defaults = options.defaults;
+  settings.max_threads = options.threads;
+  settings.limits = {.max_points = options.max_points, .max_bytes = options.max_decoded_bytes};
+  v1::StreamOpened& opened = settings.opened;
+  opened.set_server_version(info.version());
+  *opened.mutable_limits() = info.limits();
+  opened.set_max_chunk_bytes(wire::kMaxChunkBytes);
+  const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(settings.upload_timeout);
+  opened.mutable_upload_timeout()->set_seconds(seconds.count());
+  return settings;
+}
+
+CreditLimits credit_limits(const ServerOptions& options) {
+  return {.of_a_stream = {.frames = options.stream_frames, .bytes = options.stream_bytes},
+          .usual_bytes = kUsualStreamBytes,
+          .all_bytes = options.all_streams_bytes};
+}
+
+/// A stream that comes while the server drains.
+class RefusedStream final : public grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse> {
+ public:
+  RefusedStream() { Finish(wire::to_grpc(draining())); }
+  void OnDone() override { delete this; }
+};
+
+}  // namespace
+
+SegmentationService::SegmentationService(const ServerOptions& options, const BackendFactory& make_backend)
+    : defaults_(options.defaults),
+      max_threads_(options.threads),
+      limits_{.max_points = options.max_points, .max_bytes = options.max_decoded_bytes, .draco = options.enable_draco},
+      info_(server_info(options, options.workers)),
+      stream_settings_(stream_settings(options, info_)),
+      credit_(credit_limits(options)),
+      backends_(make_backends(options.workers, make_backend)),
+      pool_(options.workers,
+            {.jobs = options.workers + options.queue, .bytes = options.queue_bytes, .points = options.queue_points}),
+      sessions_(kTick) {}
+
+void SegmentationService::start_draining() {
+  gate_.close();
+  sessions_.start_draining();
+}
+
+grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
+                                                       const grpc::ByteBuffer* request, grpc::ByteBuffer* response) {
+  if (!gate_.enter()) {
+    spdlog::debug("Segment from {}: refused, the server is draining", context->peer());
+    grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+    reactor->Finish(wire::to_grpc(draining()));
+    return reactor;
+  }
+  auto* call = new SegmentCall(*this, *context, *response);  // deletes itself in OnDone
+  // Nobody but us uses the request's bytes; parsing frees them, so that they are not in memory twice.
+  call->start(const_cast<grpc::ByteBuffer&>(*request));
+  return call;
+}
+
+grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentationService::SegmentStream(
+    grpc::CallbackServerContext* context) {
+  if (!gate_.enter()) return new RefusedStream();  // deletes itself
+  // Streams are clients, whether or not they share a connection.
+  auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_,
+                                                      fmt::format("{} stream {}", context->peer(), ++streams_so_far_));
+  const auto call = std::make_shared<SessionTransport>(gate_, sessions_, std::move(executor));  // belongs to itself
+  call->start(stream_settings_, credit_);
+  return call.get();
+}
+
+grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServerContext* context,
+                                                             const v1::GetServerInfoRequest* /*request*/,
+                                                             v1::GetServerInfoResponse* response) {
+  *response = info_;
+  grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+  reactor->Finish(grpc::Status::OK);
+  return reactor;
+}
+
+}  // namespace segserve::server

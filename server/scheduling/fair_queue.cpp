@@ -1,0 +1,177 @@
+#include "server/scheduling/fair_queue.hpp"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace segserve::server {
+namespace {
+
+// What a job costs however small its cloud is, in points.
+constexpr double kPointsOfAnyJob = 1000;
+
+// How far behind the queue's virtual time a client may return, ns of a worker. Who sends its next job when it has the
+// result of the last one would otherwise lose what it is due whenever a longer job was in its way.
+constexpr double kMostCredit = 1e9;
+// With more clients than these nobody's credit is remembered.
+constexpr std::size_t kMostClientsWithCredit = 256;
+
+void add(QueueBounds& held, const JobInfo& info) {
+  held.jobs += 1;
+  held.bytes += info.bytes;
+  held.points += info.points;
+}
+
+void subtract(QueueBounds& held, const JobInfo& info) {
+  held.jobs -= 1;
+  held.bytes -= info.bytes;
+  held.points -= info.points;
+}
+
+double cost_in_points(const JobInfo& info) { return kPointsOfAnyJob + static_cast<double>(info.points); }
+
+}  // namespace
+
+FairQueue::Pushed FairQueue::push(JobInfo info, Job job) {
+  Pushed pushed;
+  const std::optional<Refusal> refused = info.may_exceed_bounds ? std::nullopt : refusal(held_, info);
+  if (refused) {
+    const std::optional<std::vector<Ticket>> victims = victims_for(info);
+    if (!victims) return {*refused, {}};
+    for (const Ticket victim : *victims) pushed.evicted.push_back(take(victim));
+  }
+  const Ticket ticket = next_ticket_++;
+  const auto client = clients_.try_emplace(info.client, Client{.virtual_time = virtual_time_}).first;
+  if (client->second.held.jobs == 0) {  // it was away
+    client->second.virtual_time = std::max(client->second.virtual_time, virtual_time_ - kMostCredit);
+  }
+  add(client->second.held, info);
+  add(held_, info);
+  const Rank rank{.urgency = -std::int64_t{info.priority}, .ticket = ticket};
+  client->second.waiting.emplace(rank, Waiting{std::move(info), std::move(job)});
+  waiting_.emplace(ticket, std::pair(client, rank));
+  pushed.result = ticket;
+  return pushed;
+}
+
+std::optional<Job> FairQueue::withdraw(Ticket ticket) {
+  if (!waiting_.contains(ticket)) return std::nullopt;
+  Job job = take(ticket);
+  return job;
+}
+
+std::optional<FairQueue::Started> FairQueue::start_next() {
+  const auto order = [](const Clients::value_type& entry) {
+    const Client& client = entry.second;
+    return client.waiting.empty() ? std::tuple(true, 0.0, Ticket{0})
+                                  : std::tuple(false, client.virtual_time, client.waiting.begin()->first.ticket);
+  };
+  const auto next = std::ranges::min_element(clients_, {}, order);
+  if (next == clients_.end() || next->second.waiting.empty()) return std::nullopt;
+
+  Client& client = next->second;
+  auto first = client.waiting.extract(client.waiting.begin());
+  const Ticket ticket = first.key().ticket;
+  waiting_.erase(ticket);
+  virtual_time_ = std::max(virtual_time_, client.virtual_time);
+  const double charged = estimate(first.mapped().info);
+  client.virtual_time += charged;
+  running_.emplace(ticket, Running{std::move(first.mapped().info), charged});
+  return Started{ticket, std::move(first.mapped().job)};
+}
+
+void FairQueue::finish(Ticket ticket, std::chrono::nanoseconds took) {
+  const auto job = running_.extract(ticket);
+  if (job.empty()) return;
+  const JobInfo& info = job.mapped().info;
+  const auto actual = static_cast<double>(took.count());
+  const auto at_work = std::ranges::count_if(clients_, [](const auto& entry) { return entry.second.held.jobs > 0; });
+  Client& client = clients_.at(info.client);
+  client.virtual_time += actual - job.mapped().charged;
+  virtual_time_ += actual / static_cast<double>(at_work);
+  ns_per_point_ += 0.1 * (actual / cost_in_points(info) - ns_per_point_);
+  subtract(client.held, info);
+  subtract(held_, info);
+  forget_clients();
+}
+
+std::chrono::nanoseconds FairQueue::backlog() const {
+  const double points = static_cast<double>(held_.points) + kPointsOfAnyJob * static_cast<double>(held_.jobs);
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(points * ns_per_point_));
+}
+
+std::optional<Refusal> FairQueue::refusal(const QueueBounds& held, const JobInfo& info) const {
+  using Bound = Refusal::Bound;
+  if (held.jobs >= bounds_.jobs) return Refusal{Bound::kJobs, bounds_.jobs, held.jobs + 1};
+  if (info.bytes > bounds_.bytes || held.bytes > bounds_.bytes - info.bytes) {
+    return Refusal{Bound::kBytes, bounds_.bytes, held.bytes + info.bytes};
+  }
+  if (info.points > bounds_.points || held.points > bounds_.points - info.points) {
+    return Refusal{Bound::kPoints, bounds_.points, held.points + info.points};
+  }
+  return std::nullopt;
+}
+
+/// The part of the queue that is taken: of the bound that is nearest.
+double FairQueue::share(const QueueBounds& held) const {
+  const auto part = [](std::uint64_t value, std::uint64_t bound) {
+    return static_cast<double>(value) / static_cast<double>(std::max<std::uint64_t>(bound, 1));
+  };
+  return std::max({part(held.jobs, bounds_.jobs), part(held.bytes, bounds_.bytes), part(held.points, bounds_.points)});
+}
+
+/// The jobs that make way for this one; nullopt if that would not be fair, or not enough.
+std::optional<std::vector<FairQueue::Ticket>> FairQueue::victims_for(const JobInfo& info) const {
+  struct Holder {
+    QueueBounds held;
+    std::map<Rank, Waiting>::const_reverse_iterator last, end;  // what may be evicted, the least urgent first
+  };
+  const auto skip_the_settled = [](Holder& holder) {
+    while (holder.last != holder.end && !holder.last->second.job.evicted) ++holder.last;
+  };
+  std::vector<Holder> holders;
+  QueueBounds wanted{};
+  for (const auto& [name, client] : clients_) {
+    if (name == info.client) wanted = client.held;
+    holders.push_back({client.held, client.waiting.rbegin(), client.waiting.rend()});
+    skip_the_settled(holders.back());
+    if (name == info.client || holders.back().last == holders.back().end) holders.pop_back();
+  }
+  add(wanted, info);
+
+  std::vector<Ticket> victims;
+  QueueBounds held = held_;
+  while (refusal(held, info)) {
+    const auto holder = std::ranges::max_element(holders, {}, [this](const Holder& h) { return share(h.held); });
+    if (holder == holders.end()) return std::nullopt;
+    const auto& [rank, victim] = *holder->last;
+    subtract(holder->held, victim.info);
+    subtract(held, victim.info);
+    if (share(holder->held) < share(wanted)) return std::nullopt;
+    victims.push_back(rank.ticket);
+    ++holder->last;
+    skip_the_settled(*holder);
+    if (holder->last == holder->end) holders.erase(holder);
+  }
+  return victims;
+}
+
+/// Takes a waiting job out.
+Job FairQueue::take(Ticket ticket) {
+  const auto [client, rank] = waiting_.extract(ticket).mapped();
+  auto entry = client->second.waiting.extract(rank);
+  subtract(client->second.held, entry.mapped().info);
+  subtract(held_, entry.mapped().info);
+  return std::move(entry.mapped().job);
+}
+
+double FairQueue::estimate(const JobInfo& info) const { return ns_per_point_ * cost_in_points(info); }
+
+void FairQueue::forget_clients() {
+  const double credit = clients_.size() > kMostClientsWithCredit ? 0 : kMostCredit;
+  std::erase_if(clients_, [this, credit](const auto& entry) {
+    return entry.second.held.jobs == 0 && entry.second.virtual_time <= virtual_time_ - credit;
+  });
+}
+
+}  // namespace segserve::server

@@ -1,0 +1,24 @@
+#include "server/stream/pool_frame_executor.hpp"
+
+#include <variant>
+
+#include "server/scheduling/refusals.hpp"
+
+namespace segserve::server {
+
+absl::StatusOr<FrameExecutor::Ticket> PoolFrameExecutor::submit(FrameJob job) {
+  JobInfo info{.client = client_,
+               .priority = job.priority,
+               .points = job.points,
+               .bytes = job.bytes,
+               .may_exceed_bounds = job.may_exceed_queue};
+  // Not `this`: a worker may just have taken the job when the stream ends. And never evicted: what a stream may lose is
+  // for its own policy to say.
+  Job pool_job{
+      .run = [&segmenters = backends_, run = std::move(job.run)](std::size_t worker) { run(*segmenters[worker]); }};
+  const auto submitted = pool_.submit(std::move(info), std::move(pool_job));
+  if (const auto* refusal = std::get_if<Refusal>(&submitted)) return queue_full(*refusal, pool_.retry_delay());
+  return std::get<WorkerPool::Ticket>(submitted);
+}
+
+}  // namespace segserve::server

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/frames/segmentation_backend.hpp"
+#include "server/scheduling/worker_pool.hpp"
+#include "server/stream/frame_executor.hpp"
+
+namespace segserve::server {
+
+/// The worker pool as one stream sees it. All its frames count as those of `client`.
+class PoolFrameExecutor final : public FrameExecutor {
+ public:
+  /// One segmenter per worker. Both must outlive the pool's jobs.
+  PoolFrameExecutor(WorkerPool& pool, const std::vector<std::unique_ptr<SegmentationBackend>>& segmenters,
+                    std::string client)
+      : pool_(pool), backends_(segmenters), client_(std::move(client)) {}
+
+  absl::StatusOr<Ticket> submit(FrameJob job) override;
+  bool withdraw(Ticket ticket) override { return pool_.withdraw(ticket); }
+
+ private:
+  WorkerPool& pool_;
+  const std::vector<std::unique_ptr<SegmentationBackend>>& backends_;
+  const std::string client_;
+};
+
+}  // namespace segserve::server

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+#include <utility>
+
+#include "server/frames/segmentation_backend.hpp"
+
+namespace segserve::server {
+
+/// What all segmenters of a blocking fake share. `segment` waits until it is released or told to stop.
+class Blockade {
+ public:
+  absl::StatusOr<Segmentation> pass(const CloudView& cloud, const StopToken& stop) {
+    ++entered_;
+    while (!released_ && !stop.stopped()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (const absl::Status status = stop.check(); !status.ok()) {
+      ++stopped_;
+      return status;
+    }
+    Segmentation result;
+    result.labels.assign(cloud.size(), 0);
+    result.supervoxels.assign(cloud.size(), 0);
+    return result;
+  }
+  void release() { released_ = true; }
+
+  int entered() const { return entered_; }  ///< calls that reached the segmentation
+  int stopped() const { return stopped_; }  ///< of these, ended by their StopToken
+
+ private:
+  std::atomic<bool> released_{false};
+  std::atomic<int> entered_{0}, stopped_{0};
+};
+
+/// A segmenter made of a function.
+class FakeBackend final : public SegmentationBackend {
+ public:
+  using Function = std::function<absl::StatusOr<Segmentation>(const CloudView&, const Options&, const StopToken&)>;
+
+  explicit FakeBackend(Function function) : function_(std::move(function)) {}
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop) override {
+    return function_(cloud, options, stop);
+  }
+
+ private:
+  Function function_;
+};
+
+inline BackendFactory fake_factory(FakeBackend::Function function) {
+  return [function] { return std::make_unique<FakeBackend>(function); };
+}
+
+inline BackendFactory blocking_factory(Blockade& blockade) {
+  return fake_factory([&blockade](const CloudView& cloud, const Options&, const StopToken& stop) {
+    return blockade.pass(cloud, stop);
+  });
+}
+
+/// True as soon as the condition is; false if that takes longer than any of our tests may need.
+inline bool eventually(const std::function<bool()>& condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return condition();
+}
+
+}  // namespace segserve::server

@@ -1,0 +1,181 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gtest/gtest.h"
+#include "proto/wire/byte_run.hpp"
+#include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/result_blocks.hpp"
+#include "proto/wire/status_message.hpp"
+#include "server/stream/stream_session.hpp"
+#include "test/server/support/fake_backend.hpp"
+#include "test/server/support/server_scenes.hpp"
+
+namespace segserve::server {
+
+/// Keeps jobs until the test runs them.
+class ManualExecutor final : public FrameExecutor {
+ public:
+  absl::StatusOr<Ticket> submit(FrameJob job) override {
+    if (!job.may_exceed_queue && jobs_.size() >= capacity) {
+      return wire::with_details(absl::ResourceExhaustedError("full"), {.reason = v1::ERROR_REASON_QUEUE_FULL});
+    }
+    jobs_.emplace_back(++last_, std::move(job));
+    return last_;
+  }
+  bool withdraw(Ticket ticket) override {
+    return std::erase_if(jobs_, [ticket](const auto& entry) { return entry.first == ticket; }) > 0;
+  }
+
+  /// Takes the oldest job away, as a worker does.
+  FrameJob take() {
+    FrameJob job = std::move(jobs_.front().second);
+    jobs_.pop_front();
+    return job;
+  }
+  std::size_t queued() const { return jobs_.size(); }
+  const FrameJob& first() const { return jobs_.front().second; }
+
+  std::size_t capacity = 1000;
+
+ private:
+  std::list<std::pair<Ticket, FrameJob>> jobs_;
+  Ticket last_ = 0;
+};
+
+/// A frame as a client sends it.
+struct SentFrame {
+  v1::FrameHeader header;
+  wire::OutgoingBytes bytes;
+
+  SentFrame(std::uint64_t sequence, v1::Cloud cloud) {
+    header.set_sequence(sequence);
+    *header.mutable_cloud() = std::move(cloud);
+    bytes = wire::OutgoingBytes(std::make_shared<const wire::ByteRun>(wire::payload_blocks(*header.mutable_cloud())));
+    header.set_encoded_bytes(bytes.run().size());
+    header.set_crc32(bytes.run().crc32());
+  }
+  explicit SentFrame(std::uint64_t sequence, const CloudView& cloud = equal_points(9, 0, 0, 1))
+      : SentFrame(sequence, wire::to_planar_message(cloud, v1::COMPRESSION_NONE).value()) {}
+};
+
+/// A session with everything around it in the test's hands: the clock, the workers, the segmenter.
+class SessionHarness {
+ public:
+  using Response = v1::SegmentStreamResponse;
+
+  explicit SessionHarness(Credit credit = {.frames = 4, .bytes = 1 << 20})
+      : budget_({.of_a_stream = credit, .usual_bytes = credit.bytes, .all_bytes = 4 * credit.bytes}),
+        segmenter_([this](const CloudView& cloud, const Options& options, const StopToken& stop) {
+          return on_segment ? on_segment(cloud, options, stop) : absl::StatusOr<Segmentation>(all_in_one(cloud));
+        }) {
+    settings.limits = {.max_points = 1000, .max_bytes = 1 << 20};
+    settings.now = [this] { return now; };
+    session = std::make_shared<StreamSession>(settings, executor, budget_, [this] { ++wakes; });
+  }
+
+  static Segmentation all_in_one(const CloudView& cloud) {
+    Segmentation result;
+    result.labels.assign(cloud.size(), 1);
+    result.supervoxels.assign(cloud.size(), 1);
+    return result;
+  }
+
+  void say(v1::SegmentStreamRequest message) { session->on_message(message); }
+  void open(const v1::StreamOpen& open = {}) {
+    v1::SegmentStreamRequest message;
+    *message.mutable_open() = open;
+    say(message);
+    for (const Response& response : read()) EXPECT_TRUE(response.has_opened()) << response.DebugString();
+  }
+  void say_header(const v1::FrameHeader& header) {
+    v1::SegmentStreamRequest message;
+    *message.mutable_frame() = header;
+    say(message);
+  }
+  void say_chunk(std::uint64_t sequence, std::string_view data) {
+    v1::SegmentStreamRequest message;
+    message.mutable_chunk()->set_sequence(sequence);
+    message.mutable_chunk()->set_data(data.data(), data.size());
+    say(message);
+  }
+  void say_cancel(std::uint64_t sequence) {
+    v1::SegmentStreamRequest message;
+    message.mutable_cancel()->set_sequence(sequence);
+    say(message);
+  }
+  void send(SentFrame frame, std::size_t chunk_bytes = wire::kMaxChunkBytes) {
+    say_header(frame.header);
+    while (!frame.bytes.done()) say_chunk(frame.header.sequence(), frame.bytes.next(chunk_bytes));
+  }
+
+  /// Runs the oldest job in the queue.
+  void compute() { executor.take().run(segmenter_); }
+  SegmentationBackend& segmenter() { return segmenter_; }
+
+  /// Everything that the session has to say now.
+  std::vector<Response> read() {
+    std::vector<Response> responses(1);
+    while (session->next(responses.back())) responses.emplace_back();
+    responses.pop_back();
+    return responses;
+  }
+  /// The outcomes among it.
+  std::vector<v1::FrameOutcome> outcomes() {
+    std::vector<v1::FrameOutcome> found;
+    for (const Response& response : read()) {
+      if (response.has_outcome()) found.push_back(response.outcome());
+    }
+    return found;
+  }
+  /// The one outcome that there must be.
+  v1::FrameOutcome outcome() {
+    const auto found = outcomes();
+    EXPECT_EQ(found.size(), 1U);
+    return found.empty() ? v1::FrameOutcome() : found.front();
+  }
+
+  CreditBudget& budget() { return budget_; }
+
+  StreamSettings settings;  // not after `open`
+  StreamSettings::Clock::time_point now =
+      StreamSettings::Clock::now() + std::chrono::hours(1);  // so that no real time expires
+  ManualExecutor executor;
+  FakeBackend::Function on_segment;
+  std::atomic<int> wakes{0};
+
+ private:
+  CreditBudget budget_;
+  FakeBackend segmenter_;
+
+ public:
+  std::shared_ptr<StreamSession> session;  // ends first
+};
+
+inline v1::ErrorReason reason_of(const v1::FrameOutcome& outcome) {
+  return wire::details_of(wire::from_message(outcome.status())).reason;
+}
+
+inline std::vector<std::uint64_t> sequences(const std::vector<v1::FrameOutcome>& outcomes) {
+  std::vector<std::uint64_t> numbers;
+  for (const v1::FrameOutcome& outcome : outcomes) numbers.push_back(outcome.sequence());
+  return numbers;
+}
+
+inline v1::StreamOpen opening(v1::WhenBehind when_behind, v1::ResultOrder order = v1::RESULT_ORDER_ORDERED) {
+  v1::StreamOpen open;
+  open.set_when_behind(when_behind);
+  open.set_order(order);
+  return open;
+}
+
+}  // namespace segserve::server
