@@ -43,7 +43,7 @@ class GrpcServer final : public Server {
 
   const std::string& address() const override { return address_; }
   int port() const override { return port_; }
-  std::size_t calls() const override { return service_.calls(); }
+  std::size_t calls() const override { return service_.calls_in_flight(); }
   bool stop() override;
 
  private:
@@ -87,7 +87,7 @@ bool GrpcServer::stop() {
   server_->GetHealthCheckService()->SetServingStatus(false);
   service_.start_draining();
   const bool all_finished = service_.wait_until_idle_or(deadline);
-  if (!all_finished) spdlog::warn("the grace period is over: cancelling {} calls", service_.calls());
+  if (!all_finished) spdlog::warn("the grace period is over: cancelling {} calls", service_.calls_in_flight());
   std::this_thread::sleep_until(std::min(deadline, begin + drain_delay_));
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTime);
   server_->Wait();

@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/segment_call.hpp"
 
-#include <algorithm>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "absl/strings/escaping.h"
+#include "core/base/status_macros.hpp"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
 #include "server/frames/catch_exceptions.hpp"
@@ -17,21 +19,14 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// gRPC tells deadlines by the wall clock, and "none" by its greatest time.
+/// gRPC gives deadlines by the wall clock; its greatest time means that there is none.
 std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerContext& context) {
   const auto deadline = context.deadline();
   if (deadline == std::chrono::system_clock::time_point::max()) return std::nullopt;
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(deadline - std::chrono::system_clock::now());
 }
 
-/// Points of a cloud that is not decoded yet, for the queue: what its shape says, or what its bytes suggest.
-std::uint64_t estimated_points(const v1::Cloud& cloud, const codec::DecodeLimits& limits) {
-  constexpr std::uint64_t kTypicalBytesPerPoint = 16;
-  const std::uint64_t claimed = std::uint64_t{cloud.width()} * cloud.height();
-  return std::min(limits.max_points, claimed != 0 ? claimed : cloud.ByteSizeLong() / kTypicalBytesPerPoint);
-}
-
-/// One line for the log. What callers chose is escaped, so that it cannot forge lines.
+/// Writes one line to the log. What callers chose is escaped, so that it cannot forge lines.
 void log_call(const grpc::CallbackServerContext& context, const std::string& request_id,
               const v1::ResultSummary& summary, const absl::Status& status) {
   if (!spdlog::should_log(spdlog::level::debug)) return;
@@ -61,23 +56,26 @@ void SegmentCall::start(grpc::ByteBuffer& request) {
   if (!status.ok()) finish(status);
 }
 
-absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
+absl::Status SegmentCall::parse(grpc::ByteBuffer& request) {
   const std::uint64_t bytes = request.Length();
   if (bytes > wire::kMaxRequestBytes) {
     return wire::limit_exceeded("the request has", bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
   }
   if (!grpc::SerializationTraits<v1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
-    return wire::with_reason(absl::InvalidArgumentError("the request is no serialised SegmentRequest"),
+    return wire::with_reason(absl::InvalidArgumentError("the request is no serialized SegmentRequest"),
                              v1::ERROR_REASON_MALFORMED_PAYLOAD);
   }
-  absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_request(request_, service_.defaults_);
-  if (!parsed.ok()) return parsed.status();
-  parsed->options.threads = std::min(parsed->options.threads, service_.max_threads_);
+  return absl::OkStatus();
+}
 
-  // Calls on one connection are one client's. Many programs share an address, and names can be made up.
-  JobInfo info{
-      .client = context_.peer(), .points = estimated_points(request_.cloud(), service_.limits_), .bytes = bytes};
-  Job job{.run = [this, parsed = *std::move(parsed)](std::size_t worker) { run(worker, parsed); },
+absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
+  const std::uint64_t bytes = request.Length();
+  RETURN_IF_ERROR(parse(request));
+  ASSIGN_OR_RETURN(FrameSettings settings, service_.resolver_.resolve_call(request_, arrival_, deadline_));
+
+  // All calls on one connection count as one client's: many programs share an address, and names can be made up.
+  JobInfo info{.client = context_.peer(), .points = settings.estimated_points, .bytes = bytes};
+  Job job{.run = [this, settings = std::move(settings)](std::size_t worker) { run(worker, settings); },
           .evicted = [this] { finish(evicted_from_queue(service_.pool_.retry_delay())); }};
   const auto submitted = service_.pool_.submit(std::move(info), std::move(job));
   if (const Refusal* refusal = std::get_if<Refusal>(&submitted)) {
@@ -87,25 +85,25 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
   return absl::OkStatus();
 }
 
-void SegmentCall::run(std::size_t worker, const wire::ParsedRequest& parsed) {
-  finish(catch_exceptions([&] {
-    return answer(
-        process({request_.cloud(), parsed, arrival_}, service_.limits_, *service_.backends_[worker], stop_token()));
+void SegmentCall::run(std::size_t worker, const FrameSettings& settings) {
+  finish(catch_exceptions([&]() -> absl::Status {
+    ASSIGN_OR_RETURN(v1::SegmentationResult result,
+                     compute_frame(request_.cloud(), settings, cancelled_, *service_.backends_[worker]));
+    return answer(std::move(result));
   }));
 }
 
-absl::Status SegmentCall::answer(absl::StatusOr<v1::SegmentationResult> result) {
-  if (!result.ok()) return result.status();
-  summary_ = result->summary();
+absl::Status SegmentCall::answer(v1::SegmentationResult result) {
+  summary_ = result.summary();
   v1::SegmentResponse response;
   response.set_request_id(request_.request_id());
   response.set_frame_id(request_.frame_id());
   if (request_.has_stamp()) *response.mutable_stamp() = request_.stamp();
-  *response.mutable_result() = *std::move(result);
+  *response.mutable_result() = std::move(result);
   bool owns_buffer = false;
   const grpc::Status status =
       grpc::SerializationTraits<v1::SegmentResponse>::Serialize(response, &response_, &owns_buffer);
-  return status.ok() ? absl::OkStatus() : absl::InternalError("the answer cannot be serialised");
+  return status.ok() ? absl::OkStatus() : absl::InternalError("the answer cannot be serialized");
 }
 
 void SegmentCall::OnCancel() {
@@ -123,9 +121,9 @@ void SegmentCall::finish(const absl::Status& status) {
 }
 
 void SegmentCall::OnDone() {
-  InFlightCalls& gate = service_.gate_;
+  InFlightCalls& calls = service_.calls_;
   delete this;
-  gate.leave();  // last: the service may end as soon as nobody is in
+  calls.leave();  // comes last, because the service may end as soon as no call is in flight
 }
 
 }  // namespace segserve::server

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/segmentation_service.hpp"
 
 #include <algorithm>
@@ -15,32 +16,29 @@
 namespace segserve::server {
 namespace {
 
-constexpr std::uint64_t kUsualStreamBytes = std::uint64_t{32} << 20U;
+constexpr std::uint64_t kDefaultBytesPerStream = std::uint64_t{32} << 20U;
 constexpr std::chrono::milliseconds kTick{50};
 
 std::vector<std::unique_ptr<SegmentationBackend>> make_backends(std::size_t count, const BackendFactory& make) {
-  std::vector<std::unique_ptr<SegmentationBackend>> segmenters(count);
-  std::ranges::generate(segmenters, make);
-  return segmenters;
+  std::vector<std::unique_ptr<SegmentationBackend>> backends(count);
+  std::ranges::generate(backends, make);
+  return backends;
 }
 
-StreamSettings stream_settings(const ServerOptions& options, const v1::GetServerInfoResponse& info) {
-  StreamSettings settings;
-  settings.defaults = options.defaults;
-  settings.max_threads = options.threads;
-  settings.limits = {.max_points = options.max_points, .max_bytes = options.max_decoded_bytes};
-  v1::StreamOpened& opened = settings.opened;
-  opened.set_server_version(info.version());
-  *opened.mutable_limits() = info.limits();
-  opened.set_max_chunk_bytes(wire::kMaxChunkBytes);
+StreamSettings stream_settings(const FrameResolver& resolver, const v1::GetServerInfoResponse& info) {
+  StreamSettings settings{.resolver = resolver};
+  v1::StreamOpened& greeting = settings.greeting;
+  greeting.set_server_version(info.version());
+  *greeting.mutable_limits() = info.limits();
+  greeting.set_max_chunk_bytes(wire::kMaxChunkBytes);
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(settings.upload_timeout);
-  opened.mutable_upload_timeout()->set_seconds(seconds.count());
+  greeting.mutable_upload_timeout()->set_seconds(seconds.count());
   return settings;
 }
 
 CreditLimits credit_limits(const ServerOptions& options) {
   return {.of_a_stream = {.frames = options.stream_frames, .bytes = options.stream_bytes},
-          .usual_bytes = kUsualStreamBytes,
+          .usual_bytes = kDefaultBytesPerStream,
           .all_bytes = options.all_streams_bytes};
 }
 
@@ -54,11 +52,9 @@ class RefusedStream final : public grpc::ServerBidiReactor<v1::SegmentStreamRequ
 }  // namespace
 
 SegmentationService::SegmentationService(const ServerOptions& options, const BackendFactory& make_backend)
-    : defaults_(options.defaults),
-      max_threads_(options.threads),
-      limits_{.max_points = options.max_points, .max_bytes = options.max_decoded_bytes, .draco = options.enable_draco},
+    : resolver_(options),
       info_(server_info(options, options.workers)),
-      stream_settings_(stream_settings(options, info_)),
+      stream_settings_(stream_settings(resolver_, info_)),
       credit_(credit_limits(options)),
       backends_(make_backends(options.workers, make_backend)),
       pool_(options.workers,
@@ -66,33 +62,33 @@ SegmentationService::SegmentationService(const ServerOptions& options, const Bac
       sessions_(kTick) {}
 
 void SegmentationService::start_draining() {
-  gate_.close();
+  calls_.close();
   sessions_.start_draining();
 }
 
 grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
                                                        const grpc::ByteBuffer* request, grpc::ByteBuffer* response) {
-  if (!gate_.enter()) {
+  if (!calls_.enter()) {
     spdlog::debug("Segment from {}: refused, the server is draining", context->peer());
     grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
     reactor->Finish(wire::to_grpc(draining()));
     return reactor;
   }
   auto* call = new SegmentCall(*this, *context, *response);  // deletes itself in OnDone
-  // Nobody but us uses the request's bytes; parsing frees them, so that they are not in memory twice.
+  // Nobody else uses the request's bytes. Parsing frees them, so that they are not in memory twice.
   call->start(const_cast<grpc::ByteBuffer&>(*request));
   return call;
 }
 
 grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentationService::SegmentStream(
     grpc::CallbackServerContext* context) {
-  if (!gate_.enter()) return new RefusedStream();  // deletes itself
-  // Streams are clients, whether or not they share a connection.
+  if (!calls_.enter()) return new RefusedStream();  // deletes itself
+  // Each stream counts as a client, whether or not streams share a connection.
   auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_,
                                                       fmt::format("{} stream {}", context->peer(), ++streams_so_far_));
-  const auto call = std::make_shared<SessionTransport>(gate_, sessions_, std::move(executor));  // belongs to itself
-  call->start(stream_settings_, credit_);
-  return call.get();
+  const auto transport = std::make_shared<SessionTransport>(calls_, sessions_, std::move(executor));
+  transport->start(stream_settings_, credit_);  // from now on it owns itself
+  return transport.get();
 }
 
 grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServerContext* context,

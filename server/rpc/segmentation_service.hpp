@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
+#include "server/frames/frame_resolver.hpp"
 #include "server/frames/segmentation_backend.hpp"
 #include "server/options/server_options.hpp"
 #include "server/scheduling/in_flight_calls.hpp"
@@ -18,8 +20,8 @@
 
 namespace segserve::server {
 
-/// Segment as bytes, the others as messages. gRPC answers a request that it cannot parse with a bare
-/// UNIMPLEMENTED; parsed by us, it gets the INVALID_ARGUMENT that the API promises.
+/// The generated service with Segment as bytes and the other methods as messages. gRPC answers a request that it cannot
+/// parse with a bare UNIMPLEMENTED; SegmentCall parses it itself and answers INVALID_ARGUMENT, as the API promises.
 using RawSegmentationService =
     v1::SegmentationService::WithRawCallbackMethod_Segment<v1::SegmentationService::WithCallbackMethod_SegmentStream<
         v1::SegmentationService::WithCallbackMethod_GetServerInfo<v1::SegmentationService::Service>>>;
@@ -37,30 +39,29 @@ class SegmentationService final : public RawSegmentationService {
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* response) override;
 
-  /// Refuses new calls of Segment and SegmentStream, and new frames, from now on: UNAVAILABLE, DRAINING.
+  /// From now on, new calls of Segment and SegmentStream and new frames are refused with UNAVAILABLE, DRAINING.
   void start_draining();
   /// Waits for the calls in flight; false if some are left at the deadline.
   bool wait_until_idle_or(std::chrono::steady_clock::time_point deadline) {
-    return gate_.wait_until_empty_or(deadline);
+    return calls_.wait_until_empty_or(deadline);
   }
-  void wait_until_idle() { gate_.wait_until_empty(); }
-  /// Calls in flight: waiting, computed, or open streams.
-  std::size_t calls() const { return gate_.inside(); }
+  void wait_until_idle() { calls_.wait_until_empty(); }
+  /// Unary calls that wait or are computed, and open streams.
+  std::size_t calls_in_flight() const { return calls_.inside(); }
 
  private:
   friend class SegmentCall;
 
-  const Options defaults_;
-  const std::uint32_t max_threads_;
-  const codec::DecodeLimits limits_;
+  const FrameResolver resolver_;
   const v1::GetServerInfoResponse info_;
   const StreamSettings stream_settings_;
-  InFlightCalls gate_;
+  InFlightCalls calls_;
   CreditBudget credit_;
   std::atomic<std::uint64_t> streams_so_far_{0};
   std::vector<std::unique_ptr<SegmentationBackend>> backends_;  // one per worker
+  // The members below are destroyed first, and with them everything that uses those above.
   WorkerPool pool_;
-  SessionRegistry sessions_;  // ends first, then the pool, and with them whatever uses the others
+  SessionRegistry sessions_;
 };
 
 }  // namespace segserve::server

@@ -6,13 +6,14 @@
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "proto/wire/transport_limits.hpp"
+#include "server/frames/frame_resolver.hpp"
 #include "server/version.hpp"
 
 namespace segserve::server {
 v1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
   v1::GetServerInfoResponse info;
   info.set_version(kVersion);
-  for (const v1::PayloadKind kind : wire::accepted_kinds({.draco = options.enable_draco})) {
+  for (const v1::PayloadKind kind : wire::accepted_kinds(decode_limits(options))) {
     info.add_payload_kinds(kind);
   }
   info.add_compressions(v1::COMPRESSION_NONE);

@@ -1,53 +1,13 @@
 #include "server/stream/stream_frame.hpp"
 
-#include <algorithm>
 #include <memory>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/result_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 
 namespace segserve::server {
-namespace {
-
-using Clock = StreamFrame::Clock;
-
-Clock::duration to_duration(const google::protobuf::Duration& message) {
-  return std::chrono::seconds(message.seconds()) + std::chrono::nanoseconds(message.nanos());
-}
-
-absl::Status check_limits(const v1::FrameHeader& header, const codec::DecodeLimits& limits) {
-  const std::uint64_t points =
-      std::max(header.points(), std::uint64_t{header.cloud().width()} * header.cloud().height());
-  if (points > limits.max_points) {
-    return wire::limit_exceeded("the cloud has", points, "points", "max_points", limits.max_points);
-  }
-  if (header.decoded_bytes() > limits.max_bytes) {
-    return wire::limit_exceeded("the cloud has", header.decoded_bytes(), "bytes", "max_decoded_bytes",
-                                limits.max_bytes);
-  }
-  return absl::OkStatus();
-}
-
-}  // namespace
-
-absl::Status prepare(StreamFrame& frame, const wire::ParsedRequest& defaults, const Options& server_defaults,
-                     const codec::DecodeLimits& limits) {
-  const v1::FrameHeader& header = frame.header;
-  absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_frame(header, defaults, server_defaults);
-  if (!parsed.ok()) return parsed.status();
-  frame.parsed = *std::move(parsed);
-  if (absl::Status status = check_limits(header, limits); !status.ok()) return status;
-  frame.payload = wire::IncomingBytes(wire::payload_block_sizes(header.cloud()));
-  if (header.has_time_to_live()) {
-    frame.expiry = frame.arrival + to_duration(header.time_to_live()) - to_duration(header.age());
-  }
-  return absl::OkStatus();
-}
-
 absl::Status attach_payload(StreamFrame& frame) {
   if (frame.header.has_crc32() && frame.header.crc32() != frame.payload.crc32()) {
     return wire::with_reason(absl::AbortedError("the payload was damaged on its way; send the frame again"),

@@ -8,9 +8,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "proto/wire/byte_run.hpp"
-#include "proto/wire/request_message.hpp"
-#include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/stream.pb.h"
+#include "server/frames/frame_settings.hpp"
 #include "server/stream/frame_executor.hpp"
 #include "server/stream/outbox.hpp"
 
@@ -21,15 +20,12 @@ struct StreamFrame {
   using Clock = std::chrono::steady_clock;
   enum class State { kUploading, kQueued, kRunning, kDone };
 
-  StreamFrame(v1::FrameHeader frame_header, Clock::time_point now)
-      : header(std::move(frame_header)), arrival(now), last_chunk(now) {}
+  StreamFrame(v1::FrameHeader frame_header, Clock::time_point now) : header(std::move(frame_header)), last_chunk(now) {}
 
   v1::FrameHeader header;  ///< its cloud gets the payload's bytes once they have come
-  wire::ParsedRequest parsed;
+  FrameSettings settings;
   wire::IncomingBytes payload;
-  const Clock::time_point arrival;  ///< of the header
   Clock::time_point last_chunk;
-  std::optional<Clock::time_point> expiry;  ///< when its result is of no use any more
 
   State state = State::kUploading;
   FrameExecutor::Ticket ticket = 0;  ///< kQueued
@@ -38,12 +34,6 @@ struct StreamFrame {
   v1::OutcomeKind why_stopped = v1::OUTCOME_KIND_UNSPECIFIED;
   std::optional<FinishedFrame> finished;  ///< kDone, and not yet in the outbox
 };
-
-/// Checks what can be checked before the payload comes, and prepares the frame for it. `defaults` are those of the
-/// stream, `server_defaults` those below the frame's own options. INVALID_ARGUMENT: INVALID_FIELD that names every
-/// wrong field, or LIMIT_EXCEEDED.
-absl::Status prepare(StreamFrame& frame, const wire::ParsedRequest& defaults, const Options& server_defaults,
-                     const codec::DecodeLimits& limits);
 
 /// Gives the cloud the bytes that came. ABORTED, CHECKSUM if they are not those that were sent.
 absl::Status attach_payload(StreamFrame& frame);

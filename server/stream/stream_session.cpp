@@ -64,7 +64,8 @@ void StreamSession::on_tick() {
     const Clock::time_point now = settings_.now();
     std::vector<FramePointer> expired;
     for (const auto& [sequence, frame] : frames_) {
-      if (frame->expiry && now >= *frame->expiry && frame->state < State::kRunning) expired.push_back(frame);
+      if (frame->settings.deadline && now >= *frame->settings.deadline && frame->state < State::kRunning)
+        expired.push_back(frame);
     }
     for (const FramePointer& frame : expired) stop(frame, v1::OUTCOME_KIND_EXPIRED);
     if (upload_ && upload_->state == State::kUploading && now - upload_->last_chunk >= settings_.upload_timeout) {
@@ -99,7 +100,7 @@ absl::Status StreamSession::handle(v1::SegmentStreamRequest& message) {
 }
 
 absl::Status StreamSession::open(const v1::StreamOpen& message) {
-  absl::StatusOr<wire::ParsedRequest> parsed = wire::parse_open(message, settings_.defaults);
+  absl::StatusOr<wire::ParsedRequest> parsed = settings_.resolver.resolve_stream(message);
   if (!parsed.ok()) return parsed.status();
   if (draining_) return draining();
   auto reservation = budget_.reserve({message.wanted().frames(), message.wanted().bytes()});
@@ -132,7 +133,7 @@ bool StreamSession::next(v1::SegmentStreamResponse& message) {
   if (end_) return false;
   if (must_send_opened_) {
     must_send_opened_ = false;
-    *message.mutable_opened() = settings_.opened;
+    *message.mutable_opened() = settings_.greeting;
     message.mutable_opened()->mutable_credit()->set_frames(credit_.credit().frames);
     message.mutable_opened()->mutable_credit()->set_bytes(credit_.credit().bytes);
     return true;

@@ -13,8 +13,8 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "proto/wire/request_message.hpp"
-#include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/stream.pb.h"
+#include "server/frames/frame_resolver.hpp"
 #include "server/stream/credit_budget.hpp"
 #include "server/stream/frame_executor.hpp"
 #include "server/stream/outbox.hpp"
@@ -26,11 +26,9 @@ namespace segserve::server {
 struct StreamSettings {
   using Clock = std::chrono::steady_clock;
 
-  Options defaults;               ///< of a stream that sets none
-  std::uint32_t max_threads = 1;  ///< within one frame
-  codec::DecodeLimits limits;
+  FrameResolver resolver;                          ///< makes the settings of every frame
   std::chrono::milliseconds upload_timeout{5000};  ///< between two chunks of a frame
-  v1::StreamOpened opened;                         ///< all but the credit
+  v1::StreamOpened greeting = {};                  ///< the answer to StreamOpen without the credit
   std::function<Clock::time_point()> now = Clock::now;
 };
 
@@ -74,6 +72,7 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   absl::Status handle(v1::SegmentStreamRequest& message);
   absl::Status open(const v1::StreamOpen& message);
   absl::Status begin_frame(v1::FrameHeader& header);
+  absl::Status resolve(StreamFrame& frame);
   absl::Status take_credit(const v1::FrameHeader& header);
   absl::Status take_chunk(const v1::FrameChunk& chunk);
   void cancel_frame(std::uint64_t sequence);

@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "absl/strings/escaping.h"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
+#include "proto/wire/payload_blocks.hpp"
 #include "server/frames/catch_exceptions.hpp"
 #include "server/frames/frame_computation.hpp"
 #include "server/scheduling/refusals.hpp"
@@ -43,13 +45,18 @@ absl::Status StreamSession::begin_frame(v1::FrameHeader& header) {
   const auto frame = std::make_shared<StreamFrame>(std::move(header), settings_.now());
   frames_.emplace(sequence, frame);
   upload_ = frame;
-  absl::Status status = draining_ ? draining() : prepare(*frame, defaults_, settings_.defaults, settings_.limits);
+  absl::Status status = draining_ ? draining() : resolve(*frame);
   if (!status.ok()) {
     finish(frame, v1::OUTCOME_KIND_FAILED, status);
     return absl::OkStatus();
   }
-  frame->parsed.options.threads = std::min(frame->parsed.options.threads, settings_.max_threads);
   if (frame->payload.missing() == 0) uploaded(frame);
+  return absl::OkStatus();
+}
+
+absl::Status StreamSession::resolve(StreamFrame& frame) {
+  ASSIGN_OR_RETURN(frame.settings, settings_.resolver.resolve_frame(frame.header, defaults_, settings_.now()));
+  frame.payload = wire::IncomingBytes(wire::payload_block_sizes(frame.header.cloud()));
   return absl::OkStatus();
 }
 
@@ -106,8 +113,7 @@ absl::Status StreamSession::submit(const FramePointer& frame) {
   while (true) {
     FrameJob job{
         .priority = frame->header.priority(),
-        .points = std::max(frame->header.points(),
-                           std::uint64_t{frame->header.cloud().width()} * frame->header.cloud().height()),
+        .points = frame->settings.estimated_points,
         .bytes = frame->header.encoded_bytes(),
         .may_exceed_queue = when_behind_ == v1::WHEN_BEHIND_UNSPECIFIED || when_behind_ == v1::WHEN_BEHIND_BLOCK,
         .run = [self = shared_from_this(), frame](SegmentationBackend& segmenter) { self->run(frame, segmenter); }};
@@ -177,17 +183,15 @@ void StreamSession::run(const FramePointer& frame, SegmentationBackend& segmente
     frame->state = State::kRunning;
     ++running_;
   }
-  const StopToken stop(&frame->stopped, frame->expiry);
-  absl::StatusOr<v1::SegmentationResult> result = catch_exceptions([&] {
-    return process({frame->header.cloud(), frame->parsed, frame->arrival}, settings_.limits, segmenter, stop);
-  });
+  absl::StatusOr<v1::SegmentationResult> result = catch_exceptions(
+      [&] { return compute_frame(frame->header.cloud(), frame->settings, frame->stopped, segmenter); });
   const absl::Status status = result.status();
   FinishedFrame finished =
       result.ok() ? with_result(*frame, *std::move(result)) : without_result(*frame, v1::OUTCOME_KIND_FAILED, status);
   {
     const std::lock_guard lock(mutex_);
     --running_;
-    const bool expired = frame->expiry && settings_.now() >= *frame->expiry;
+    const bool expired = frame->settings.deadline && settings_.now() >= *frame->settings.deadline;
     if (end_) {
       frame->state = State::kDone;
     } else if (frame->stopped) {

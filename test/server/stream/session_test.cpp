@@ -20,7 +20,7 @@ void expect_violation(const SessionHarness& harness, const std::string& text) {
 
 TEST(Session, OpensWithItsCreditAndTheServersLimits) {
   SessionHarness harness({.frames = 3, .bytes = 5000});
-  harness.settings.opened.set_server_version("1.2.3");
+  harness.settings.greeting.set_server_version("1.2.3");
   v1::SegmentStreamRequest message;
   message.mutable_open()->mutable_wanted()->set_bytes(4000);
   harness.say(message);
@@ -67,7 +67,7 @@ TEST(Session, AFrameGetsItsResult) {
 
 TEST(Session, TheSegmenterGetsTheCloudAndTheOptions) {
   SessionHarness harness;
-  harness.settings.max_threads = 2;
+  harness.settings.resolver = FrameResolver(SessionHarness::limited(2));
   v1::StreamOpen open;
   open.mutable_options()->set_voxel_resolution(0.01);
   open.mutable_options()->set_threads(8);

@@ -3,7 +3,9 @@
 #include <thread>
 
 #include "gmock/gmock.h"
+#include "proto/wire/codec_message.hpp"
 #include "proto/wire/result_message.hpp"
+#include "segserve/codec/draco.hpp"
 #include "test/proto/example_messages.hpp"
 #include "test/server/support/running_server.hpp"
 #include "test/server/support/session_harness.hpp"
@@ -93,6 +95,40 @@ TEST(Stream, FramesGetTheLabelsOfALocalRun) {
   }
   EXPECT_EQ(stream.finish(), absl::OkStatus());
   EXPECT_TRUE(eventually([&] { return server.server().calls() == 0; }));
+}
+
+TEST(Stream, TakesEveryCodecThatTheServerAdvertises) {
+  ServerOptions options = small_server();
+  options.enable_draco = true;
+  RunningServer server(options);
+  const Cloud cloud = wall_with_box();
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  std::uint64_t sequence = 0;
+  for (const wire::CodecInfo& codec : wire::codecs()) {
+    SCOPED_TRACE(codec.name);
+    const v1::Cloud payload = wire::to_message(cloud, {.codec = codec.codec}).value();
+    const wire::DecodedCloud decoded = wire::decode_cloud(payload, {.draco = true}).value();
+    ASSERT_TRUE(stream.send(SentFrame(++sequence, payload)));
+    const auto outcome = stream.next();
+    ASSERT_TRUE(outcome.has_value());
+    ASSERT_EQ(outcome->kind(), v1::OUTCOME_KIND_RESULT) << outcome->status().message();
+    EXPECT_EQ(labels_of(*outcome, cloud.size()), segment(decoded.cloud, {}).value().labels);
+  }
+  EXPECT_EQ(stream.finish(), absl::OkStatus());
+}
+
+TEST(Stream, RefusesDracoAtTheHeaderUnlessTheServerEnablesIt) {
+  if (!codec::draco_is_built()) GTEST_SKIP() << "built without Draco";
+  RunningServer server;
+  StubStream stream(server);
+  ASSERT_TRUE(stream.open());
+  ASSERT_TRUE(stream.send(SentFrame(1, wire::to_message(wall_with_box(), {.codec = wire::Codec::kDraco}).value())));
+  const auto outcome = stream.next();
+  ASSERT_TRUE(outcome.has_value());
+  EXPECT_EQ(outcome->kind(), v1::OUTCOME_KIND_FAILED);
+  EXPECT_THAT(outcome->status().message(), testing::HasSubstr("cloud.draco: not enabled here; enabled are planar"));
+  EXPECT_EQ(stream.finish(), absl::OkStatus());
 }
 
 TEST(Stream, CarriesCloudsBeyondTheUnaryLimitInBothDirections) {

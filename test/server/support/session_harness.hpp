@@ -78,9 +78,16 @@ class SessionHarness {
         segmenter_([this](const CloudView& cloud, const Options& options, const StopToken& stop) {
           return on_segment ? on_segment(cloud, options, stop) : absl::StatusOr<Segmentation>(all_in_one(cloud));
         }) {
-    settings.limits = {.max_points = 1000, .max_bytes = 1 << 20};
     settings.now = [this] { return now; };
     session = std::make_shared<StreamSession>(settings, executor, budget_, [this] { ++wakes; });
+  }
+
+  static ServerOptions limited(std::uint32_t threads = 1) {
+    ServerOptions options;
+    options.max_points = 1000;
+    options.max_decoded_bytes = 1 << 20;
+    options.threads = threads;
+    return options;
   }
 
   static Segmentation all_in_one(const CloudView& cloud) {
@@ -146,7 +153,7 @@ class SessionHarness {
 
   CreditBudget& budget() { return budget_; }
 
-  StreamSettings settings;  // not after `open`
+  StreamSettings settings{.resolver = FrameResolver(limited())};  // not to be changed after `open`
   StreamSettings::Clock::time_point now =
       StreamSettings::Clock::now() + std::chrono::hours(1);  // so that no real time expires
   ManualExecutor executor;
