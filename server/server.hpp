@@ -1,8 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/frames/segmentation_backend.hpp"
@@ -10,14 +11,16 @@
 
 namespace segserve::server {
 
-/// Every fault of the options at once, by the names of their flags; empty if they are valid.
-std::vector<FieldViolation> violations(const ServerOptions& options);
-
 /// A running server: the segmentation service, grpc.health.v1 and reflection on one address.
+///
+///     auto server = Server::start({.listen = "127.0.0.1:0"});
+///     if (!server.ok()) return server.status();
+///     ...  // clients connect to (*server)->address()
+///     (*server)->stop();
 class Server {
  public:
-  /// Listens and serves from the return on. INVALID_ARGUMENT for wrong options (all of them named),
-  /// UNAVAILABLE if the address cannot be bound.
+  /// Listens, and serves from the return on. INVALID_ARGUMENT names every wrong option; UNAVAILABLE says why the
+  /// address cannot be bound.
   static absl::StatusOr<std::unique_ptr<Server>> start(ServerOptions options,
                                                        const BackendFactory& make_backend = core_backend_factory());
 
@@ -28,12 +31,12 @@ class Server {
   virtual const std::string& address() const = 0;
   /// The port; 0 for a unix socket.
   virtual int port() const = 0;
-  /// Calls of Segment in flight, waiting or computed.
+  /// Unary calls that wait or are computed, and open streams.
   virtual std::size_t calls() const = 0;
 
-  /// Health turns NOT_SERVING, new calls are refused with UNAVAILABLE (DRAINING), those in flight finish within
-  /// the grace period or are cancelled at its end; then the server closes. Returns true if none was cancelled.
-  /// Not from a signal handler. A second call does nothing.
+  /// Health turns NOT_SERVING, and new calls are refused with UNAVAILABLE (DRAINING). Calls in flight finish within the
+  /// grace period or are cancelled at its end; then the server closes. Returns true if none was cancelled. Must not be
+  /// called from a signal handler. A second call does nothing.
   virtual bool stop() = 0;
 };
 
