@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <exception>
@@ -7,16 +8,19 @@
 
 namespace segserve::server {
 
-/// What `function` returns (a Status or StatusOr). An exception, of a library or for want of memory, goes to the log
-/// and becomes INTERNAL: it must neither end the server nor leave a call without an answer.
+/// Returns what `function` returns, which is a Status or StatusOr. An exception of a library, or one for lack of
+/// memory, goes to the log and becomes INTERNAL: it must neither end the server nor leave a frame without an answer.
+/// Lack of memory is INTERNAL, too, because RESOURCE_EXHAUSTED would make clients send the same frame again.
 template <typename Function>
 auto catch_exceptions(Function&& function) -> decltype(function()) {
   try {
     return function();
   } catch (const std::exception& error) {
-    spdlog::error("a call failed with an exception: {}", error.what());
-    return absl::InternalError("the server failed to process this call; its log says more");
+    spdlog::error("a frame failed with an exception: {}", error.what());
+  } catch (...) {
+    spdlog::error("a frame failed with an exception of an unknown type");
   }
+  return absl::InternalError("the server failed to process this frame; its log says more");
 }
 
 }  // namespace segserve::server

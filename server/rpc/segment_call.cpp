@@ -123,7 +123,7 @@ void SegmentCall::finish(const absl::Status& status) {
 void SegmentCall::OnDone() {
   InFlightCalls& calls = service_.calls_;
   delete this;
-  calls.leave();  // comes last, because the service may end as soon as no call is in flight
+  calls.release();  // comes last, because the service may end as soon as no call is in flight
 }
 
 }  // namespace segserve::server

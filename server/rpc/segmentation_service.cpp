@@ -37,9 +37,9 @@ StreamSettings stream_settings(const FrameResolver& resolver, const v1::GetServe
 }
 
 CreditLimits credit_limits(const ServerOptions& options) {
-  return {.of_a_stream = {.frames = options.stream_frames, .bytes = options.stream_bytes},
-          .usual_bytes = kDefaultBytesPerStream,
-          .all_bytes = options.all_streams_bytes};
+  return {.most_per_stream = {.frames = options.stream_frames, .bytes = options.stream_bytes},
+          .default_bytes_per_stream = kDefaultBytesPerStream,
+          .bytes_of_all_streams = options.all_streams_bytes};
 }
 
 /// A stream that comes while the server drains.
@@ -68,7 +68,7 @@ void SegmentationService::start_draining() {
 
 grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
                                                        const grpc::ByteBuffer* request, grpc::ByteBuffer* response) {
-  if (!calls_.enter()) {
+  if (!calls_.admit()) {
     spdlog::debug("Segment from {}: refused, the server is draining", context->peer());
     grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
     reactor->Finish(wire::to_grpc(draining()));
@@ -82,7 +82,7 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
 
 grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentationService::SegmentStream(
     grpc::CallbackServerContext* context) {
-  if (!calls_.enter()) return new RefusedStream();  // deletes itself
+  if (!calls_.admit()) return new RefusedStream();  // deletes itself
   // Each stream counts as a client, whether or not streams share a connection.
   auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_,
                                                       fmt::format("{} stream {}", context->peer(), ++streams_so_far_));

@@ -43,11 +43,11 @@ class SegmentationService final : public RawSegmentationService {
   void start_draining();
   /// Waits for the calls in flight; false if some are left at the deadline.
   bool wait_until_idle_or(std::chrono::steady_clock::time_point deadline) {
-    return calls_.wait_until_empty_or(deadline);
+    return calls_.wait_until_none_or(deadline);
   }
-  void wait_until_idle() { calls_.wait_until_empty(); }
+  void wait_until_idle() { calls_.wait_until_none(); }
   /// Unary calls that wait or are computed, and open streams.
-  std::size_t calls_in_flight() const { return calls_.inside(); }
+  std::size_t calls_in_flight() const { return calls_.count(); }
 
  private:
   friend class SegmentCall;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/server_info.hpp"
 
 #include <optional>
@@ -10,6 +11,7 @@
 #include "server/version.hpp"
 
 namespace segserve::server {
+
 v1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t workers) {
   v1::GetServerInfoResponse info;
   info.set_version(kVersion);

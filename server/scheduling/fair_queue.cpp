@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/scheduling/fair_queue.hpp"
 
 #include <algorithm>
@@ -7,14 +8,14 @@
 namespace segserve::server {
 namespace {
 
-// What a job costs however small its cloud is, in points.
+// Every job costs as much as this number of points, however small its cloud is.
 constexpr double kPointsOfAnyJob = 1000;
 
-// How far behind the queue's virtual time a client may return, ns of a worker. Who sends its next job when it has the
-// result of the last one would otherwise lose what it is due whenever a longer job was in its way.
-constexpr double kMostCredit = 1e9;
-// With more clients than these nobody's credit is remembered.
-constexpr std::size_t kMostClientsWithCredit = 256;
+// How far behind the queue's virtual time a client may return, ns of a worker. A client that sends its next job when it
+// has the result of the last one would otherwise lose part of its share whenever a longer job was in its way.
+constexpr double kMaxLag = 1e9;
+// With more clients than these, no client may return behind the queue's virtual time.
+constexpr std::size_t kMaxClientsWithLag = 256;
 
 void add(QueueBounds& held, const JobInfo& info) {
   held.jobs += 1;
@@ -42,8 +43,8 @@ FairQueue::Pushed FairQueue::push(JobInfo info, Job job) {
   }
   const Ticket ticket = next_ticket_++;
   const auto client = clients_.try_emplace(info.client, Client{.virtual_time = virtual_time_}).first;
-  if (client->second.held.jobs == 0) {  // it was away
-    client->second.virtual_time = std::max(client->second.virtual_time, virtual_time_ - kMostCredit);
+  if (client->second.held.jobs == 0) {  // the client was away
+    client->second.virtual_time = std::max(client->second.virtual_time, virtual_time_ - kMaxLag);
   }
   add(client->second.held, info);
   add(held_, info);
@@ -85,10 +86,11 @@ void FairQueue::finish(Ticket ticket, std::chrono::nanoseconds took) {
   if (job.empty()) return;
   const JobInfo& info = job.mapped().info;
   const auto actual = static_cast<double>(took.count());
-  const auto at_work = std::ranges::count_if(clients_, [](const auto& entry) { return entry.second.held.jobs > 0; });
+  const auto clients_with_jobs =
+      std::ranges::count_if(clients_, [](const auto& entry) { return entry.second.held.jobs > 0; });
   Client& client = clients_.at(info.client);
   client.virtual_time += actual - job.mapped().charged;
-  virtual_time_ += actual / static_cast<double>(at_work);
+  virtual_time_ += actual / static_cast<double>(clients_with_jobs);
   ns_per_point_ += 0.1 * (actual / cost_in_points(info) - ns_per_point_);
   subtract(client.held, info);
   subtract(held_, info);
@@ -112,7 +114,6 @@ std::optional<Refusal> FairQueue::refusal(const QueueBounds& held, const JobInfo
   return std::nullopt;
 }
 
-/// The part of the queue that is taken: of the bound that is nearest.
 double FairQueue::share(const QueueBounds& held) const {
   const auto part = [](std::uint64_t value, std::uint64_t bound) {
     return static_cast<double>(value) / static_cast<double>(std::max<std::uint64_t>(bound, 1));
@@ -120,13 +121,12 @@ double FairQueue::share(const QueueBounds& held) const {
   return std::max({part(held.jobs, bounds_.jobs), part(held.bytes, bounds_.bytes), part(held.points, bounds_.points)});
 }
 
-/// The jobs that make way for this one; nullopt if that would not be fair, or not enough.
 std::optional<std::vector<FairQueue::Ticket>> FairQueue::victims_for(const JobInfo& info) const {
   struct Holder {
     QueueBounds held;
-    std::map<Rank, Waiting>::const_reverse_iterator last, end;  // what may be evicted, the least urgent first
+    std::map<Rank, Waiting>::const_reverse_iterator last, end;  // jobs that may be evicted, the least urgent first
   };
-  const auto skip_the_settled = [](Holder& holder) {
+  const auto skip_permanent = [](Holder& holder) {
     while (holder.last != holder.end && !holder.last->second.job.evicted) ++holder.last;
   };
   std::vector<Holder> holders;
@@ -134,7 +134,7 @@ std::optional<std::vector<FairQueue::Ticket>> FairQueue::victims_for(const JobIn
   for (const auto& [name, client] : clients_) {
     if (name == info.client) wanted = client.held;
     holders.push_back({client.held, client.waiting.rbegin(), client.waiting.rend()});
-    skip_the_settled(holders.back());
+    skip_permanent(holders.back());
     if (name == info.client || holders.back().last == holders.back().end) holders.pop_back();
   }
   add(wanted, info);
@@ -150,13 +150,12 @@ std::optional<std::vector<FairQueue::Ticket>> FairQueue::victims_for(const JobIn
     if (share(holder->held) < share(wanted)) return std::nullopt;
     victims.push_back(rank.ticket);
     ++holder->last;
-    skip_the_settled(*holder);
+    skip_permanent(*holder);
     if (holder->last == holder->end) holders.erase(holder);
   }
   return victims;
 }
 
-/// Takes a waiting job out.
 Job FairQueue::take(Ticket ticket) {
   const auto [client, rank] = waiting_.extract(ticket).mapped();
   auto entry = client->second.waiting.extract(rank);
@@ -168,9 +167,9 @@ Job FairQueue::take(Ticket ticket) {
 double FairQueue::estimate(const JobInfo& info) const { return ns_per_point_ * cost_in_points(info); }
 
 void FairQueue::forget_clients() {
-  const double credit = clients_.size() > kMostClientsWithCredit ? 0 : kMostCredit;
-  std::erase_if(clients_, [this, credit](const auto& entry) {
-    return entry.second.held.jobs == 0 && entry.second.virtual_time <= virtual_time_ - credit;
+  const double lag = clients_.size() > kMaxClientsWithLag ? 0 : kMaxLag;
+  std::erase_if(clients_, [this, lag](const auto& entry) {
+    return entry.second.held.jobs == 0 && entry.second.virtual_time <= virtual_time_ - lag;
   });
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -13,27 +14,27 @@
 
 namespace segserve::server {
 
-/// What a queue must know of a job.
+/// What a queue must know about a job.
 struct JobInfo {
-  std::string client;         ///< whose job it is: jobs with equal names share what this name is due
+  std::string client;         ///< the owner; all jobs with this name share one client's part of the workers
   std::int32_t priority = 0;  ///< among the jobs of its client; the highest comes first
-  std::uint64_t points = 0;   ///< of its cloud, as far as known: the estimate of its work
-  std::uint64_t bytes = 0;    ///< that it keeps in memory until it ends
-  /// Taken even if the queue is full, because something else has bounded such jobs: the credit of a stream. It counts
-  /// against the bounds like any other.
+  std::uint64_t points = 0;   ///< of its cloud, as far as known; the work is estimated from it
+  std::uint64_t bytes = 0;    ///< of memory that the job keeps until it ends
+  /// The job is taken even if the queue is full, because something else, the credit of a stream, bounds such jobs. It
+  /// counts against the bounds like any other.
   bool may_exceed_bounds = false;
 };
 
-/// A job is told which worker runs it, 0 .. workers - 1, so that it can use what that worker owns. It must
-/// not throw.
 struct Job {
+  /// Gets the index of the worker that runs it, in [0, workers), so that it can use what that worker owns. Must not
+  /// throw.
   std::function<void(std::size_t worker)> run;
   /// Called instead of `run` if the job has to make way for a client with less in the queue. A job without this
-  /// is never evicted.
+  /// function is never evicted.
   std::function<void()> evicted = nullptr;
 };
 
-/// Most jobs, bytes and points over all clients, waiting or running.
+/// Numbers of jobs, bytes and points over all clients, waiting or running.
 struct QueueBounds {
   std::uint64_t jobs;
   std::uint64_t bytes;
@@ -48,22 +49,24 @@ struct Refusal {
   std::uint64_t actual;  ///< with the job
 };
 
-/// The order in which jobs of many clients get the workers, with bounds. Not thread-safe; it knows no clock.
+/// A bounded queue that decides in which order the jobs of many clients get the workers. Not thread-safe; it knows no
+/// clock.
 ///
-/// Between clients it is fair by time on the workers (start-time fair queueing, Goyal, Vin and Cheng 1996): each
-/// client has a virtual time, the time that its jobs took, and the waiting client with the least comes first. A job is
-/// charged by an estimate when it starts (points times the usual time per point), which is corrected when it ends; so
-/// neither large clouds nor costly options get a client more than its share. A client that was away comes back at the
-/// queue's virtual time, or a little before: it gets all but nothing for the time when it asked for nothing, and keeps
-/// a debt until the others have had as much. The queue's virtual time is the greatest virtual time at which a job
-/// started, and grows at least by the work done per client at work: clients that appear for one job only do not
-/// overtake for ever those that stay.
+/// Clients get equal time on the workers (start-time fair queueing: P. Goyal, H. M. Vin, H. Cheng, 1996). Each client
+/// has a virtual time, which is the time that its jobs took, and the waiting client with the least virtual time comes
+/// first. When a job starts, its client is charged an estimate (points times the usual time per point); when it ends,
+/// the estimate is replaced by the time that it took. So neither large clouds nor costly options give a client more
+/// than its share.
 ///
-/// Within a client: the highest priority first, equals in the order of arrival.
+/// The queue has a virtual time as well: the greatest virtual time at which a job started. It also grows by the time of
+/// each job, divided by the number of clients that have jobs; otherwise clients that come for one job only would
+/// overtake those that stay for ever. A client that returns starts at the queue's virtual time, or a little before, so
+/// it gets next to nothing for the time when it was away. A client that has had more than its share keeps that debt.
 ///
-/// A client that fills the queue does not keep others out: when a bound is reached, the last jobs of the client that
-/// holds the largest part of the queue are evicted, as long as it still holds no less than the one for which they make
-/// way.
+/// Within a client, the job of the highest priority comes first; equal ones keep the order of their arrival.
+///
+/// A client that fills the queue does not keep others out. When a bound is reached, the last jobs of the client that
+/// holds the largest part of the queue are evicted, as long as that client still holds no less than the newcomer.
 class FairQueue {
  public:
   using Ticket = std::uint64_t;
@@ -72,29 +75,30 @@ class FairQueue {
 
   struct Pushed {
     std::variant<Ticket, Refusal> result;
-    std::vector<Job> evicted;  ///< the caller tells them; empty if the job is refused
+    std::vector<Job> evicted;  ///< the caller must call their `evicted`; empty if the job is refused
   };
   Pushed push(JobInfo info, Job job);
 
-  /// The job if it still waits. Its place, bytes and points are free.
+  /// Takes the job out if it still waits. Its place, bytes and points are free then.
   std::optional<Job> withdraw(Ticket ticket);
 
   struct Started {
     Ticket ticket;
     Job job;
   };
-  /// The next job; it runs until `finish`. nullopt if none waits.
+  /// Takes out the next job, which counts as running until `finish`. nullopt if none waits.
   std::optional<Started> start_next();
 
-  /// The job, which was started, has ended. Its place, bytes and points are free.
+  /// A job that was started has ended. Its place, bytes and points are free.
   void finish(Ticket ticket, std::chrono::nanoseconds took);
 
+  /// Jobs that wait.
   std::size_t waiting() const { return waiting_.size(); }
-  /// Waiting or running.
+  /// What waiting and running jobs hold together.
   const QueueBounds& held() const { return held_; }
-  /// Clients that are remembered: those with jobs, or with a debt or credit from the jobs they had.
+  /// Clients that are remembered: they have jobs, or had more or less than their share.
   std::size_t clients() const { return clients_.size(); }
-  /// How long one worker would need for all that waits or runs, judged by the jobs before.
+  /// How long one worker would need for all waiting and running jobs, judged by earlier ones.
   std::chrono::nanoseconds backlog() const;
 
  private:
@@ -119,9 +123,13 @@ class FairQueue {
   using Clients = std::map<std::string, Client>;
 
   std::optional<Refusal> refusal(const QueueBounds& held, const JobInfo& info) const;
+  /// The waiting jobs that make way for this one; nullopt if that would not be fair, or not enough.
   std::optional<std::vector<Ticket>> victims_for(const JobInfo& info) const;
+  /// Takes a waiting job out.
   Job take(Ticket ticket);
+  /// The part of the queue that is held, of the bound that is nearest.
   double share(const QueueBounds& held) const;
+  /// The time that the job will take, ns.
   double estimate(const JobInfo& info) const;
   void forget_clients();
 

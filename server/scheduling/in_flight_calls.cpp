@@ -1,37 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/scheduling/in_flight_calls.hpp"
 
 namespace segserve::server {
 
-bool InFlightCalls::enter() {
-  const std::lock_guard lock(mutex_);
-  if (!closed_) ++inside_;
+bool InFlightCalls::admit() {
+  const MutexLock lock(mutex_);
+  if (!closed_) ++count_;
   return !closed_;
 }
 
-void InFlightCalls::leave() {
-  const std::lock_guard lock(mutex_);
-  // Under the lock: the waiter may destroy the gate as soon as it sees it empty.
-  if (--inside_ == 0) empty_.notify_all();
+void InFlightCalls::release() {
+  const MutexLock lock(mutex_);
+  // Signals with the lock held, because the waiting thread may destroy this object as soon as it sees 0.
+  if (--count_ == 0) none_left_.notify_all();
 }
 
 void InFlightCalls::close() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   closed_ = true;
 }
 
-void InFlightCalls::wait_until_empty() {
-  std::unique_lock lock(mutex_);
-  empty_.wait(lock, [this] { return inside_ == 0; });
+void InFlightCalls::wait_until_none() {
+  const MutexLock lock(mutex_);
+  while (count_ > 0) none_left_.wait(mutex_);
 }
 
-bool InFlightCalls::wait_until_empty_or(std::chrono::steady_clock::time_point deadline) {
-  std::unique_lock lock(mutex_);
-  return empty_.wait_until(lock, deadline, [this] { return inside_ == 0; });
+bool InFlightCalls::wait_until_none_or(std::chrono::steady_clock::time_point deadline) {
+  const MutexLock lock(mutex_);
+  while (count_ > 0 && none_left_.wait_until(mutex_, deadline)) {
+  }
+  return count_ == 0;
 }
 
-std::size_t InFlightCalls::inside() const {
-  const std::lock_guard lock(mutex_);
-  return inside_;
+std::size_t InFlightCalls::count() const {
+  const MutexLock lock(mutex_);
+  return count_;
 }
 
 }  // namespace segserve::server

@@ -1,31 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstddef>
-#include <mutex>
+
+#include "absl/base/thread_annotations.h"
+#include "core/base/mutex.hpp"
 
 namespace segserve::server {
 
-/// Counts the calls in flight, and lets no new one in once it is closed: how a server drains.
+/// Counts the calls in flight and admits no new one once it is closed, so that a server can drain. Thread-safe.
 class InFlightCalls {
  public:
-  /// False if the gate is closed. Whoever was let in calls `leave` exactly once.
-  bool enter();
-  void leave();
+  /// False once closed. Every call that was admitted is released exactly once.
+  bool admit();
+  void release();
 
   void close();
-  /// Waits until nobody is in.
-  void wait_until_empty();
-  /// The same, but false if that takes longer than the deadline.
-  bool wait_until_empty_or(std::chrono::steady_clock::time_point deadline);
-  std::size_t inside() const;
+  /// Waits until no call is in flight.
+  void wait_until_none();
+  /// As above, but returns false if that takes longer than the deadline.
+  bool wait_until_none_or(std::chrono::steady_clock::time_point deadline);
+  std::size_t count() const;
 
  private:
-  mutable std::mutex mutex_;
-  std::condition_variable empty_;
-  std::size_t inside_ = 0;
-  bool closed_ = false;
+  mutable Mutex mutex_;
+  CondVar none_left_;
+  std::size_t count_ ABSL_GUARDED_BY(mutex_) = 0;
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace segserve::server

@@ -10,7 +10,7 @@
 namespace segserve::server {
 namespace {
 
-/// The field of v1.Limits.
+/// Returns the name of the field of v1.Limits.
 std::string_view limit_name(Refusal::Bound bound) {
   switch (bound) {
     case Refusal::Bound::kJobs:
@@ -38,10 +38,11 @@ absl::Status queue_full(const Refusal& refusal, std::chrono::milliseconds retry_
 }
 
 absl::Status evicted_from_queue(std::chrono::milliseconds retry_delay) {
-  return wire::with_details(absl::ResourceExhaustedError(
-                                "the queue is full, and this client has the most in it: made way for another client; "
-                                "try again later"),
-                            {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = retry_delay});
+  return wire::with_details(
+      absl::ResourceExhaustedError(
+          "the queue is full, and this client has the most in it, so this call made way for another "
+          "client; try again later"),
+      {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = retry_delay});
 }
 
 absl::Status no_credit_left() {

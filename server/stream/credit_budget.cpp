@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/credit_budget.hpp"
 
 #include <algorithm>
@@ -16,17 +17,17 @@ CreditBudget::Reservation& CreditBudget::Reservation::operator=(Reservation&& ot
 
 void CreditBudget::Reservation::release() {
   if (!budget_) return;
-  const std::lock_guard lock(budget_->mutex_);
+  const MutexLock lock(budget_->mutex_);
   budget_->free_bytes_ += credit_.bytes;
   budget_ = nullptr;
 }
 
 std::optional<CreditBudget::Reservation> CreditBudget::reserve(const Credit& wanted) {
-  Credit credit = limits_.of_a_stream;
+  Credit credit = limits_.most_per_stream;
   if (wanted.frames > 0) credit.frames = std::min(credit.frames, wanted.frames);
-  credit.bytes = std::min(credit.bytes, wanted.bytes > 0 ? wanted.bytes : limits_.usual_bytes);
+  credit.bytes = std::min(credit.bytes, wanted.bytes > 0 ? wanted.bytes : limits_.default_bytes_per_stream);
 
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   const std::uint64_t least = std::max<std::uint64_t>(1, credit.bytes / 16);
   if (free_bytes_ < least) return std::nullopt;
   credit.bytes = std::min(credit.bytes, free_bytes_);
@@ -35,7 +36,7 @@ std::optional<CreditBudget::Reservation> CreditBudget::reserve(const Credit& wan
 }
 
 std::uint64_t CreditBudget::free_bytes() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return free_bytes_;
 }
 

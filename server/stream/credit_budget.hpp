@@ -1,13 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <mutex>
 #include <optional>
+
+#include "absl/base/thread_annotations.h"
+#include "core/base/mutex.hpp"
 
 namespace segserve::server {
 
-/// Frames and bytes of payload that a client may have on their way.
+/// Frames and bytes of payload that a client may have under way.
 struct Credit {
   std::uint32_t frames = 0;
   std::uint64_t bytes = 0;
@@ -16,15 +18,15 @@ struct Credit {
 
 /// How credit is given to streams.
 struct CreditLimits {
-  Credit of_a_stream;         ///< the most that one stream gets
-  std::uint64_t usual_bytes;  ///< what it gets unless it asks
-  std::uint64_t all_bytes;    ///< of all streams together
+  Credit most_per_stream;
+  std::uint64_t default_bytes_per_stream;  ///< for a stream that asks for nothing
+  std::uint64_t bytes_of_all_streams;
 };
 
-/// Bounds the payload that all streams together may have on their way to this server, before it comes. Thread-safe.
+/// Bounds the payload that all streams together may have under way to this server, before it arrives. Thread-safe.
 class CreditBudget {
  public:
-  /// Gives its bytes back when it ends. The budget must outlive it.
+  /// Gives its bytes back when it is destroyed. The budget must outlive it.
   class Reservation {
    public:
     Reservation() = default;
@@ -41,18 +43,18 @@ class CreditBudget {
     Credit credit_;
   };
 
-  explicit CreditBudget(const CreditLimits& limits) : limits_(limits), free_bytes_(limits.all_bytes) {}
+  explicit CreditBudget(const CreditLimits& limits) : limits_(limits), free_bytes_(limits.bytes_of_all_streams) {}
 
-  /// What is wanted (0: the usual), as far as the limits of a stream allow it. If less is left, then what is left, but
-  /// at least a 16th; nullopt if there is not even that.
+  /// Reserves what is wanted (0: the default) within the limits of a stream. If fewer bytes are free, the reservation
+  /// gets those; nullopt if they are less than a 16th of what it should have.
   std::optional<Reservation> reserve(const Credit& wanted);
 
   std::uint64_t free_bytes() const;
 
  private:
   const CreditLimits limits_;
-  mutable std::mutex mutex_;
-  std::uint64_t free_bytes_;
+  mutable Mutex mutex_;
+  std::uint64_t free_bytes_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace segserve::server

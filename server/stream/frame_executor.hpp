@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -8,27 +9,27 @@
 
 namespace segserve::server {
 
-/// One frame as the workers see it.
+/// What a worker must know about a frame.
 struct FrameJob {
   std::int32_t priority = 0;
-  std::uint64_t points = 0;  ///< as far as they are known before the payload is decoded
+  std::uint64_t points = 0;  ///< an estimate, because the payload is not decoded yet
   std::uint64_t bytes = 0;   ///< of the payload
-  /// true: queue it even if the queue is full. The stream's credit has bounded such frames before they came.
+  /// The frame is queued even if the queue is full. The stream's credit bounds such frames before they come.
   bool may_exceed_queue = false;
   /// Must not throw.
   std::function<void(SegmentationBackend&)> run;
 };
 
-/// Where the frames of a stream are computed: the worker pool, or a test. No function waits for a job, and none calls
-/// one before it returns.
+/// Computes the frames of a stream: the worker pool, or a test. No function waits for a job, and none runs a job before
+/// it returns.
 class FrameExecutor {
  public:
   using Ticket = std::uint64_t;
 
   virtual ~FrameExecutor() = default;
-  /// RESOURCE_EXHAUSTED, with the details that the client shall see, if the queue is full.
+  /// RESOURCE_EXHAUSTED if the queue is full, with the details that the client shall see.
   virtual absl::StatusOr<Ticket> submit(FrameJob job) = 0;
-  /// True if the job had not begun; then it never will.
+  /// True if the job had not begun; it never will then.
   virtual bool withdraw(Ticket ticket) = 0;
 };
 

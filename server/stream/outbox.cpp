@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/outbox.hpp"
 
 namespace segserve::server {
@@ -7,11 +8,11 @@ void Outbox::clear() {
   outcome_sent_ = false;
 }
 
-bool Outbox::next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned) {
+bool Outbox::next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned_bytes) {
   if (frames_.empty()) return false;
   FinishedFrame& frame = frames_.front();
   if (!outcome_sent_) {
-    *message.mutable_outcome() = frame.outcome;  // its number is needed for the chunks; the bytes are not in it
+    *message.mutable_outcome() = frame.outcome;  // a copy, since the chunks need its sequence; it holds no bytes
     outcome_sent_ = true;
   } else {
     v1::ResultChunk& chunk = *message.mutable_chunk();
@@ -20,7 +21,7 @@ bool Outbox::next(v1::SegmentStreamResponse& message, std::optional<std::uint64_
     chunk.set_data(bytes.data(), bytes.size());
   }
   if (frame.bytes.done()) {
-    returned = frame.credit_bytes;
+    returned_bytes = frame.credit_bytes;
     frames_.pop_front();
     outcome_sent_ = false;
   }

@@ -1,8 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 
 #include "proto/wire/byte_run.hpp"
 #include "segserve/v1/stream.pb.h"
@@ -13,7 +15,7 @@ namespace segserve::server {
 struct FinishedFrame {
   v1::FrameOutcome outcome;
   wire::OutgoingBytes bytes;
-  std::uint64_t credit_bytes = 0;  ///< what the frame took
+  std::uint64_t credit_bytes = 0;  ///< that the frame took from the stream's credit
 };
 
 /// Outcomes in the order in which they are sent, each followed by the chunks of its result.
@@ -23,13 +25,13 @@ class Outbox {
   bool empty() const { return frames_.empty(); }
   void clear();
 
-  /// The next message; false if there is none. `returned` is set with the last one of a frame: the bytes of credit
-  /// that the client has again once it has read it.
-  bool next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned);
+  /// Fills in the next message; false if there is none. With the last message of a frame, `returned_bytes` is set to
+  /// the bytes of credit that the client has again once it has read that message.
+  bool next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned_bytes);
 
  private:
   std::deque<FinishedFrame> frames_;
-  bool outcome_sent_ = false;  // of the first one
+  bool outcome_sent_ = false;  // the first frame's outcome is sent, but not all of its chunks
 };
 
 }  // namespace segserve::server

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <memory>
@@ -11,13 +12,13 @@
 
 namespace segserve::server {
 
-/// The worker pool as one stream sees it. All its frames count as those of `client`.
+/// The worker pool as one stream sees it. All frames of the stream count as those of `client`.
 class PoolFrameExecutor final : public FrameExecutor {
  public:
-  /// One segmenter per worker. Both must outlive the pool's jobs.
-  PoolFrameExecutor(WorkerPool& pool, const std::vector<std::unique_ptr<SegmentationBackend>>& segmenters,
+  /// `backends` holds one per worker. Pool and backends must outlive the pool's jobs.
+  PoolFrameExecutor(WorkerPool& pool, const std::vector<std::unique_ptr<SegmentationBackend>>& backends,
                     std::string client)
-      : pool_(pool), backends_(segmenters), client_(std::move(client)) {}
+      : pool_(pool), backends_(backends), client_(std::move(client)) {}
 
   absl::StatusOr<Ticket> submit(FrameJob job) override;
   bool withdraw(Ticket ticket) override { return pool_.withdraw(ticket); }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string_view>
@@ -6,8 +7,7 @@
 
 namespace segserve::server {
 
-/// INVALID_ARGUMENT, PROTOCOL_VIOLATION: what the client sent is against the rules of stream.proto, and ends the
-/// stream.
+/// INVALID_ARGUMENT, PROTOCOL_VIOLATION: the client broke the rules of stream.proto, which ends the stream.
 absl::Status protocol_violation(std::string_view what);
 
 }  // namespace segserve::server

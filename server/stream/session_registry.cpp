@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/session_registry.hpp"
 
 namespace segserve::server {
@@ -6,17 +7,17 @@ SessionRegistry::SessionRegistry(std::chrono::milliseconds tick) : tick_(tick), 
 
 SessionRegistry::~SessionRegistry() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     stopping_ = true;
+    stop_requested_.notify_all();
   }
-  stop_or_tick_.notify_all();
   thread_.join();
 }
 
 void SessionRegistry::add(const std::shared_ptr<StreamSession>& session) {
   bool draining = false;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     sessions_.insert(session);
     draining = draining_;
   }
@@ -24,31 +25,35 @@ void SessionRegistry::add(const std::shared_ptr<StreamSession>& session) {
 }
 
 void SessionRegistry::remove(const std::shared_ptr<StreamSession>& session) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   sessions_.erase(session);
 }
 
 void SessionRegistry::start_draining() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     draining_ = true;
   }
   for (const auto& session : snapshot()) session->start_draining();
 }
 
-// Sessions are called without the lock: they may end within, and are removed then.
 SessionRegistry::Sessions SessionRegistry::snapshot() const {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return sessions_;
 }
 
 void SessionRegistry::run() {
-  std::unique_lock lock(mutex_);
-  while (!stop_or_tick_.wait_for(lock, tick_, [this] { return stopping_; })) {
-    lock.unlock();
+  while (wait_for_tick()) {
     for (const auto& session : snapshot()) session->on_tick();
-    lock.lock();
   }
+}
+
+bool SessionRegistry::wait_for_tick() {
+  const auto next_tick = std::chrono::steady_clock::now() + tick_;
+  const MutexLock lock(mutex_);
+  while (!stopping_ && stop_requested_.wait_until(mutex_, next_tick)) {
+  }
+  return !stopping_;
 }
 
 }  // namespace segserve::server

@@ -1,17 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <thread>
 
+#include "absl/base/thread_annotations.h"
+#include "core/base/mutex.hpp"
 #include "server/stream/stream_session.hpp"
 
 namespace segserve::server {
 
-/// The open streams of a server, and the thread that looks after the time of their frames. Thread-safe.
+/// The open streams of a server, and the thread that calls StreamSession::on_tick for all of them. Thread-safe.
 class SessionRegistry {
  public:
   explicit SessionRegistry(std::chrono::milliseconds tick);
@@ -22,20 +23,24 @@ class SessionRegistry {
   void add(const std::shared_ptr<StreamSession>& session);
   void remove(const std::shared_ptr<StreamSession>& session);
 
-  /// All sessions of now and later drain.
+  /// Makes all present and later sessions drain.
   void start_draining();
 
  private:
   using Sessions = std::set<std::shared_ptr<StreamSession>>;
 
   void run();
+  /// False if the thread shall end.
+  bool wait_for_tick();
+  /// Sessions are called without the lock: they may end within the call, and are then removed.
   Sessions snapshot() const;
 
   const std::chrono::milliseconds tick_;
-  mutable std::mutex mutex_;
-  std::condition_variable stop_or_tick_;
-  Sessions sessions_;
-  bool draining_ = false, stopping_ = false;
+  mutable Mutex mutex_;
+  CondVar stop_requested_;
+  Sessions sessions_ ABSL_GUARDED_BY(mutex_);
+  bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   std::thread thread_;
 };
 

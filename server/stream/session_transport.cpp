@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/session_transport.hpp"
 
+#include "absl/status/status.h"
 #include "proto/wire/status_message.hpp"
 
 namespace segserve::server {
@@ -14,7 +16,7 @@ void SessionTransport::start(const StreamSettings& settings, CreditBudget& budge
 }
 
 void SessionTransport::read() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!finished_) StartRead(&request_);
 }
 
@@ -28,7 +30,7 @@ void SessionTransport::OnReadDone(bool ok) {
 }
 
 void SessionTransport::advance() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (writing_ || finished_) return;
   if (session_->next(response_)) {
     writing_ = true;
@@ -41,13 +43,13 @@ void SessionTransport::advance() {
 
 void SessionTransport::OnWriteDone(bool ok) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     writing_ = false;
   }
-  if (!ok) {
-    session_->on_cancel(absl::CancelledError("the connection broke"));  // which advances
-  } else {
+  if (ok) {
     advance();
+  } else {
+    session_->on_cancel(absl::CancelledError("the connection broke"));  // wakes this object, which advances
   }
 }
 
@@ -58,9 +60,9 @@ void SessionTransport::OnCancel() {
 void SessionTransport::OnDone() {
   registry_.remove(session_);
   session_->close();
-  InFlightCalls& gate = gate_;
-  self_.reset();  // `this` may be gone
-  gate.leave();   // last: the service may end as soon as nobody is in
+  InFlightCalls& calls = calls_;
+  self_.reset();    // `this` may be gone now
+  calls.release();  // comes last, because the service may end as soon as no call is in flight
 }
 
 }  // namespace segserve::server

@@ -1,13 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/stream_frame.hpp"
-
-#include <memory>
-#include <utility>
 
 #include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/result_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 
 namespace segserve::server {
+
 absl::Status attach_payload(StreamFrame& frame) {
   if (frame.header.has_crc32() && frame.header.crc32() != frame.payload.crc32()) {
     return wire::with_reason(absl::AbortedError("the payload was damaged on its way; send the frame again"),
@@ -17,7 +16,7 @@ absl::Status attach_payload(StreamFrame& frame) {
   return absl::OkStatus();
 }
 
-FinishedFrame without_result(const StreamFrame& frame, v1::OutcomeKind kind, const absl::Status& status) {
+FinishedFrame outcome_without_result(const StreamFrame& frame, v1::OutcomeKind kind, const absl::Status& status) {
   FinishedFrame finished;
   v1::FrameOutcome& outcome = finished.outcome;
   outcome.set_sequence(frame.header.sequence());
@@ -30,8 +29,8 @@ FinishedFrame without_result(const StreamFrame& frame, v1::OutcomeKind kind, con
   return finished;
 }
 
-FinishedFrame with_result(const StreamFrame& frame, v1::SegmentationResult result) {
-  FinishedFrame finished = without_result(frame, v1::OUTCOME_KIND_RESULT, absl::OkStatus());
+FinishedFrame outcome_with_result(const StreamFrame& frame, v1::SegmentationResult result) {
+  FinishedFrame finished = outcome_without_result(frame, v1::OUTCOME_KIND_RESULT, absl::OkStatus());
   finished.bytes = wire::OutgoingBytes(std::make_shared<const wire::ByteRun>(wire::result_blocks(result)));
   *finished.outcome.mutable_result() = std::move(result);
   finished.outcome.set_encoded_bytes(finished.bytes.run().size());

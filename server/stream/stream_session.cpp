@@ -1,49 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/stream_session.hpp"
 
 #include <utility>
-#include <vector>
 
+#include "absl/status/statusor.h"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
+#include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/status_message.hpp"
+#include "server/frames/catch_exceptions.hpp"
+#include "server/frames/frame_computation.hpp"
 #include "server/scheduling/refusals.hpp"
-#include "server/stream/protocol_violation.hpp"
 
 namespace segserve::server {
 namespace {
 
-using State = StreamFrame::State;
+absl::Status unfinished_upload(const StreamFrame& frame) {
+  return wire::malformed(fmt::format("the stream was closed with {} of {} bytes of the frame missing",
+                                     frame.payload.missing(), frame.header.encoded_bytes()));
+}
+
+absl::Status stalled(std::chrono::milliseconds timeout) {
+  return wire::with_reason(
+      absl::DeadlineExceededError(fmt::format("no chunk of the frame came for {} ms", timeout.count())),
+      v1::ERROR_REASON_UPLOAD_STALLED);
+}
+
+/// The outcome of a frame whose turn it is.
+absl::StatusOr<FinishedFrame> compute_outcome(const StreamFrame& frame, SegmentationBackend& backend) {
+  ASSIGN_OR_RETURN(v1::SegmentationResult result,
+                   compute_frame(frame.header.cloud(), frame.settings, frame.cancelled, backend));
+  return outcome_with_result(frame, std::move(result));
+}
 
 }  // namespace
 
 StreamSession::StreamSession(const StreamSettings& settings, FrameExecutor& executor, CreditBudget& budget,
                              std::function<void()> wake)
-    : settings_(settings), executor_(executor), budget_(budget), wake_(std::move(wake)) {}
+    : settings_(settings),
+      wake_(std::move(wake)),
+      protocol_(settings.greeting, budget, outbox_),
+      scheduler_(executor, outbox_) {}
 
 void StreamSession::on_message(v1::SegmentStreamRequest& message) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (end_) return;
-    if (const absl::Status status = handle(message); !status.ok()) end_with(status);
+    const absl::Status status = catch_exceptions([&] {
+      mutex_.assert_held();
+      return handle(message);
+    });
+    if (!status.ok()) end_with(status);
   }
   wake_();
 }
 
 void StreamSession::on_half_close() {
   {
-    const std::lock_guard lock(mutex_);
-    half_closed_ = true;
-    if (upload_ && upload_->state == State::kUploading) {
-      finish(upload_, v1::OUTCOME_KIND_FAILED,
-             wire::malformed(fmt::format("the stream was closed with {} of {} bytes of the frame missing",
-                                         upload_->payload.missing(), upload_->header.encoded_bytes())));
-    }
+    const MutexLock lock(mutex_);
+    if (const StreamFramePointer frame = protocol_.half_close()) scheduler_.fail(frame, unfinished_upload(*frame));
   }
   wake_();
 }
 
 void StreamSession::on_cancel(const absl::Status& why) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     end_with(why);
   }
   wake_();
@@ -51,126 +73,121 @@ void StreamSession::on_cancel(const absl::Status& why) {
 
 void StreamSession::start_draining() {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     if (draining_) return;
-    draining_ = must_send_draining_ = true;
+    draining_ = true;
+    protocol_.announce_draining();
   }
   wake_();
 }
 
 void StreamSession::on_tick() {
   {
-    const std::lock_guard lock(mutex_);
-    const Clock::time_point now = settings_.now();
-    std::vector<FramePointer> expired;
-    for (const auto& [sequence, frame] : frames_) {
-      if (frame->settings.deadline && now >= *frame->settings.deadline && frame->state < State::kRunning)
-        expired.push_back(frame);
-    }
-    for (const FramePointer& frame : expired) stop(frame, v1::OUTCOME_KIND_EXPIRED);
-    if (upload_ && upload_->state == State::kUploading && now - upload_->last_chunk >= settings_.upload_timeout) {
-      finish(upload_, v1::OUTCOME_KIND_FAILED,
-             wire::with_reason(absl::DeadlineExceededError(fmt::format("no chunk of the frame came for {} ms",
-                                                                       settings_.upload_timeout.count())),
-                               v1::ERROR_REASON_UPLOAD_STALLED));
+    const MutexLock lock(mutex_);
+    const StreamFrame::Time now = settings_.now();
+    scheduler_.expire(now);
+    if (const StreamFramePointer frame = protocol_.stalled_upload(now, settings_.upload_timeout)) {
+      scheduler_.fail(frame, stalled(settings_.upload_timeout));
     }
   }
   wake_();
 }
 
 absl::Status StreamSession::handle(v1::SegmentStreamRequest& message) {
-  using Kind = v1::SegmentStreamRequest::KindCase;
-  if (open_ == message.has_open()) {
-    return protocol_violation(open_ ? "a second StreamOpen" : "the first message must be a StreamOpen");
-  }
-  switch (message.kind_case()) {
-    case Kind::kOpen:
+  using Event = SessionProtocol::Event;
+  ASSIGN_OR_RETURN(const Event event, protocol_.receive(message, settings_.now()));
+  switch (event.kind) {
+    case Event::kOpen:
       return open(message.open());
-    case Kind::kFrame:
-      return begin_frame(*message.mutable_frame());
-    case Kind::kChunk:
-      return take_chunk(message.chunk());
-    case Kind::kCancel:
-      cancel_frame(message.cancel().sequence());
-      return absl::OkStatus();
-    case Kind::KIND_NOT_SET:
+    case Event::kBegun:
+      begin(event.frame);
+      break;
+    case Event::kUploaded:
+      enqueue(event.frame);
+      break;
+    case Event::kCancel:
+      scheduler_.cancel(event.sequence);
+      break;
+    case Event::kNothing:
       break;
   }
-  return protocol_violation("a message of no kind that this server knows");
+  return absl::OkStatus();
 }
 
 absl::Status StreamSession::open(const v1::StreamOpen& message) {
-  absl::StatusOr<wire::ParsedRequest> parsed = settings_.resolver.resolve_stream(message);
-  if (!parsed.ok()) return parsed.status();
+  ASSIGN_OR_RETURN(defaults_, settings_.resolver.resolve_stream(message));
   if (draining_) return draining();
-  auto reservation = budget_.reserve({message.wanted().frames(), message.wanted().bytes()});
-  if (!reservation) return no_credit_left();
-  credit_ = *std::move(reservation);
-  defaults_ = *std::move(parsed);
-  order_ = message.order();
-  when_behind_ = message.when_behind();
-  client_name_ = message.client_name();
-  open_ = must_send_opened_ = true;
+  scheduler_.set_policy(message);
+  return protocol_.grant(message.wanted());
+}
+
+void StreamSession::begin(const StreamFramePointer& frame) {
+  scheduler_.add(frame);
+  if (const absl::Status status = draining_ ? draining() : resolve(*frame); !status.ok()) {
+    scheduler_.fail(frame, status);
+  } else if (frame->payload.missing() == 0) {
+    enqueue(frame);
+  }
+}
+
+absl::Status StreamSession::resolve(StreamFrame& frame) {
+  ASSIGN_OR_RETURN(frame.settings, settings_.resolver.resolve_frame(frame.header, defaults_, settings_.now()));
+  frame.payload = wire::IncomingBytes(wire::payload_block_sizes(frame.header.cloud()));
   return absl::OkStatus();
+}
+
+void StreamSession::enqueue(const StreamFramePointer& frame) {
+  if (const absl::Status status = attach_payload(*frame); !status.ok()) return scheduler_.fail(frame, status);
+  scheduler_.submit(
+      frame, [self = shared_from_this(), frame](SegmentationBackend& backend) { self->compute(frame, backend); });
+}
+
+void StreamSession::compute(const StreamFramePointer& frame, SegmentationBackend& backend) {
+  {
+    const MutexLock lock(mutex_);
+    if (!scheduler_.start(*frame)) return;
+  }
+  absl::StatusOr<FinishedFrame> computed = catch_exceptions([&] { return compute_outcome(*frame, backend); });
+  FinishedFrame finished =
+      computed.ok() ? *std::move(computed) : outcome_without_result(*frame, v1::OUTCOME_KIND_FAILED, computed.status());
+  {
+    const MutexLock lock(mutex_);
+    scheduler_.complete(frame, std::move(finished), settings_.now());
+  }
+  wake_();
 }
 
 void StreamSession::end_with(const absl::Status& status) {
   if (end_) return;
   end_ = status;
-  for (const auto& [sequence, frame] : frames_) {
-    if (frame->state == State::kQueued) executor_.withdraw(frame->ticket);
-    if (frame->state != State::kRunning) frame->state = State::kDone;  // a worker that just took it lets it be
-    frame->stopped = true;
-  }
-  frames_.clear();
-  upload_.reset();
+  scheduler_.abandon_all();
+  protocol_.forget_upload();
   outbox_.clear();
 }
 
 bool StreamSession::next(v1::SegmentStreamResponse& message) {
-  const std::lock_guard lock(mutex_);
-  message.Clear();
-  if (end_) return false;
-  if (must_send_opened_) {
-    must_send_opened_ = false;
-    *message.mutable_opened() = settings_.greeting;
-    message.mutable_opened()->mutable_credit()->set_frames(credit_.credit().frames);
-    message.mutable_opened()->mutable_credit()->set_bytes(credit_.credit().bytes);
-    return true;
-  }
-  if (must_send_draining_ && open_) {
-    must_send_draining_ = false;
-    message.mutable_draining();
-    return true;
-  }
-  std::optional<std::uint64_t> returned;
-  if (!outbox_.next(message, returned)) return false;
-  if (returned) {
-    used_.frames -= 1;
-    used_.bytes -= *returned;
-  }
-  return true;
+  const MutexLock lock(mutex_);
+  return !end_ && protocol_.next(message);
 }
 
 std::optional<absl::Status> StreamSession::ended() const {
-  const std::lock_guard lock(mutex_);
-  if (running_ > 0) return std::nullopt;
+  const MutexLock lock(mutex_);
+  if (scheduler_.running() > 0) return std::nullopt;
   if (end_) return end_;
-  const bool nothing_left = frames_.empty() && outbox_.empty() && !must_send_opened_;
-  if (!nothing_left) return std::nullopt;
-  if (half_closed_) return absl::OkStatus();
+  if (scheduler_.in_flight() > 0 || !protocol_.all_sent()) return std::nullopt;
+  if (protocol_.half_closed()) return absl::OkStatus();
   if (draining_) return draining();
   return std::nullopt;
 }
 
 void StreamSession::close() {
-  const std::lock_guard lock(mutex_);
-  credit_.release();
+  const MutexLock lock(mutex_);
+  protocol_.release_credit();
 }
 
 std::size_t StreamSession::frames_in_flight() const {
-  const std::lock_guard lock(mutex_);
-  return frames_.size();
+  const MutexLock lock(mutex_);
+  return scheduler_.in_flight();
 }
 
 }  // namespace segserve::server

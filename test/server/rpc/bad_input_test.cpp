@@ -1,5 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -20,7 +23,7 @@ using testing::HasSubstr;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// After every case the server must still answer a good request.
+/// After every case, the server must still answer a good request.
 class BadInput : public testing::Test {
  protected:
   ~BadInput() override { EXPECT_TRUE(server_.segment(request_for(wall_with_box(40, 30))).ok()); }
@@ -191,7 +194,7 @@ TEST_F(BadInput, BytesThatAreNoMessage) {
   EXPECT_EQ(wire::details_of(wire::from_grpc(status)).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD);
 }
 
-// Odd but valid: a stated result.
+// Odd requests that are valid have a defined result.
 
 TEST_F(BadInput, AllPointsNotFiniteGiveLabelZero) {
   const wire::Result result = accept(equal_points(5, kNaN, kNaN, kNaN));
@@ -209,24 +212,40 @@ TEST_F(BadInput, EqualPointsAreOneSegment) {
   EXPECT_THAT(result.segmentation.labels, testing::Each(1U));
 }
 
-TEST_F(BadInput, NotANumberAsColourIsBlack) {
+TEST_F(BadInput, NotANumberAsColorIsBlack) {
   const std::string file =
       "VERSION .7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
       "DATA ascii\n0 0 1 nan\n0.001 0 1 nan\n";
   EXPECT_TRUE(server_.segment(request_for_pcd(file)).ok());
 }
 
-TEST(Faults, AnExceptionOfTheSegmenterIsInternalAndLeaksNothing) {
-  RunningServer server(small_server(), fake_factory([](const CloudView&, const Options&,
-                                                       const StopToken&) -> absl::StatusOr<Segmentation> {
-                         throw std::runtime_error("secret");
-                       }));
-  for (int i = 0; i < 2; ++i) {
+/// Throws in the first calls, one kind of exception after the other, and then segments.
+BackendFactory throwing_factory(std::atomic<int>& calls) {
+  return fake_factory(
+      [&calls](const CloudView& cloud, const Options& options, const StopToken& stop) -> absl::StatusOr<Segmentation> {
+        switch (calls++) {
+          case 0:
+            throw std::runtime_error("secret");
+          case 1:
+            throw std::bad_alloc();
+          case 2:
+            throw 1;
+          default:
+            return segment(cloud, options, stop);
+        }
+      });
+}
+
+TEST(Faults, AnExceptionOfTheBackendIsInternalAndLeaksNothing) {
+  std::atomic<int> calls = 0;
+  RunningServer server(small_server(), throwing_factory(calls));
+  for (int i = 0; i < 3; ++i) {
     const absl::Status status = server.segment(request_for(wall_with_box(8, 8))).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInternal);
     EXPECT_EQ(wire::details_of(status).reason, v1::ERROR_REASON_INTERNAL);
     EXPECT_THAT(std::string(status.message()), testing::Not(HasSubstr("secret")));
   }
+  EXPECT_TRUE(server.segment(request_for(wall_with_box(8, 8))).ok()) << "the worker goes on";
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/scheduling/fair_queue.hpp"
 
 #include <map>
@@ -29,17 +30,17 @@ Ticket must_push(FairQueue& queue, JobInfo info, Job job = nothing()) {
   return std::get<Ticket>(pushed.result);
 }
 
-/// A client as a load: it keeps `window` jobs in the queue, which each take `time` on a worker and say they have
-/// `points`.
+/// The load that a client makes. It keeps `window` jobs in the queue, each of which takes `time` on a worker and claims
+/// to have `points`.
 struct Load {
   std::string client;
   std::size_t window;
   std::uint64_t points;
   std::chrono::nanoseconds time;
-  std::size_t one_job_clients = 0;  ///< above 0: each job comes from a new client
+  std::size_t one_job_clients = 0;  ///< if above 0, each job comes from a new client
 };
 
-/// Workers that take what the queue gives them, in simulated time. Returns the busy time each load got.
+/// Simulates workers that take what the queue gives them. Returns how long they worked for each load.
 std::vector<std::chrono::nanoseconds> simulate(const std::vector<Load>& loads, std::size_t workers,
                                                std::chrono::nanoseconds duration) {
   FairQueue queue(kWide);
@@ -54,7 +55,7 @@ std::vector<std::chrono::nanoseconds> simulate(const std::vector<Load>& loads, s
   for (std::size_t load = 0; load < loads.size(); ++load) {
     for (std::size_t i = 0; i < loads[load].window; ++i) push(load);
   }
-  std::multimap<std::chrono::nanoseconds, Ticket> busy;  // by their end
+  std::multimap<std::chrono::nanoseconds, Ticket> busy;  // by the time of their end
   std::chrono::nanoseconds now = 0ns;
   while (now < duration) {
     while (busy.size() < workers) {
@@ -127,14 +128,14 @@ TEST(FairQueue, NobodyGetsLessThanHalfOfTheFairShareAmongMixedLoads) {
   const auto got = simulate(loads, 2, 600s);
   const std::chrono::nanoseconds fair = 2 * 600s / 32;
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    // Who keeps one job only has none in the queue at the moment when one of its jobs ends.
+    // A client that keeps only one job has none in the queue at the moment when one of its jobs ends.
     EXPECT_GT(got[i], fair / 2) << loads[i].client;
     EXPECT_LT(got[i], fair * 2) << loads[i].client;
   }
 }
 
 TEST(FairQueue, ClientsThatComeForOneJobDoNotStarveTheOneThatStays) {
-  // 20 newcomers at any time: each is as good a client as the one that stays.
+  // There are 20 newcomers at any time. Each has the same right to the workers as the client that stays.
   const auto got = simulate({{"stays", 4, 300'000, 80ms}, {"newcomer ", 20, 300'000, 80ms, 1}}, 1, 1000s);
   EXPECT_GT(got[0], 1000s / 21 / 2);
   EXPECT_LT(got[0], 1000s / 21 * 2);
@@ -161,7 +162,7 @@ TEST(FairQueue, AClientGetsNothingForTheTimeItWasAway) {
 }
 
 TEST(FairQueue, NoWorkerLeadsToDebtsThatStarveLater) {
-  // One client cannot use its share of 8 workers, the other takes the rest. Then a third comes.
+  // One client cannot use its share of 8 workers, and another takes the rest. Then a third client comes.
   FairQueue queue(kWide);
   std::map<Ticket, char> client_of;
   std::multimap<std::chrono::nanoseconds, Ticket> busy;
@@ -324,7 +325,7 @@ TEST(FairQueue, TheBacklogFollowsThePointsAndTheSpeed) {
   EXPECT_EQ(queue.backlog(), 0ns);
   for (int i = 0; i < 200; ++i) {
     must_push(queue, {.client = "c", .points = 999'000});
-    queue.finish(queue.start_next()->ticket, 500ms);  // 500 ns a point, 1000 points for the job as such
+    queue.finish(queue.start_next()->ticket, 500ms);  // 500 ns per point; the job as such counts as 1000 points
   }
   must_push(queue, {.client = "c", .points = 1'999'000});
   must_push(queue, {.client = "d", .points = 999'000});

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/scheduling/in_flight_calls.hpp"
 
 #include <future>
@@ -10,32 +11,32 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-TEST(InFlightCalls, CountsWhoIsIn) {
-  InFlightCalls gate;
-  EXPECT_TRUE(gate.enter());
-  EXPECT_TRUE(gate.enter());
-  EXPECT_EQ(gate.inside(), 2U);
-  gate.leave();
-  EXPECT_EQ(gate.inside(), 1U);
+TEST(InFlightCalls, CountsAdmittedCalls) {
+  InFlightCalls calls;
+  EXPECT_TRUE(calls.admit());
+  EXPECT_TRUE(calls.admit());
+  EXPECT_EQ(calls.count(), 2U);
+  calls.release();
+  EXPECT_EQ(calls.count(), 1U);
 }
 
-TEST(InFlightCalls, LetsNobodyInOnceClosed) {
-  InFlightCalls gate;
-  gate.close();
-  EXPECT_FALSE(gate.enter());
-  EXPECT_EQ(gate.inside(), 0U);
+TEST(InFlightCalls, AdmitsNoneOnceClosed) {
+  InFlightCalls calls;
+  calls.close();
+  EXPECT_FALSE(calls.admit());
+  EXPECT_EQ(calls.count(), 0U);
 }
 
-TEST(InFlightCalls, WaitsForTheLastToLeave) {
-  InFlightCalls gate;
-  ASSERT_TRUE(gate.enter());
-  gate.close();
-  EXPECT_FALSE(gate.wait_until_empty_or(Clock::now() + 20ms));
-  auto waiting = std::async(std::launch::async, [&gate] { gate.wait_until_empty(); });
+TEST(InFlightCalls, WaitsUntilTheLastIsReleased) {
+  InFlightCalls calls;
+  ASSERT_TRUE(calls.admit());
+  calls.close();
+  EXPECT_FALSE(calls.wait_until_none_or(Clock::now() + 20ms));
+  auto waiting = std::async(std::launch::async, [&calls] { calls.wait_until_none(); });
   EXPECT_EQ(waiting.wait_for(20ms), std::future_status::timeout);
-  gate.leave();
+  calls.release();
   EXPECT_EQ(waiting.wait_for(10s), std::future_status::ready);
-  EXPECT_TRUE(gate.wait_until_empty_or(Clock::now()));
+  EXPECT_TRUE(calls.wait_until_none_or(Clock::now()));
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/scheduling/worker_pool.hpp"
 
 #include <atomic>
@@ -12,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A job that tells when it runs and waits until it may end.
+/// Makes a job that says when it runs and waits until it may end.
 struct Gate {
   std::promise<void> begun, go;
   std::function<void(std::size_t)> job() {
@@ -25,7 +26,7 @@ struct Gate {
 
 QueueBounds at_most(std::uint64_t jobs) { return {.jobs = jobs, .bytes = 1000, .points = 1000}; }
 
-/// True if the pool takes it.
+/// True if the pool takes the job.
 bool submit(WorkerPool& pool, std::function<void(std::size_t)> job) {
   return std::holds_alternative<WorkerPool::Ticket>(pool.submit({.client = "c"}, {.run = std::move(job)}));
 }
@@ -143,8 +144,8 @@ TEST(WorkerPool, TheRetryDelayGrowsWithWhatWaitsWithinItsRange) {
   gate.go.set_value();
 }
 
-/// Many threads submit and withdraw at once: every job that was taken ends in exactly one way. For ThreadSanitizer,
-/// too.
+/// Many threads submit and withdraw jobs at once, also under ThreadSanitizer. Every job that was taken must end in
+/// exactly one way.
 TEST(WorkerPool, EveryJobEndsOnceWhateverThreadsDo) {
   std::atomic<int> taken = 0, ran = 0, evicted = 0, withdrawn = 0;
   {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/stream/credit_budget.hpp"
 
 #include <utility>
@@ -7,7 +8,8 @@
 namespace segserve::server {
 namespace {
 
-constexpr CreditLimits kLimits{.of_a_stream = {.frames = 4, .bytes = 1000}, .usual_bytes = 300, .all_bytes = 2000};
+constexpr CreditLimits kLimits{
+    .most_per_stream = {.frames = 4, .bytes = 1000}, .default_bytes_per_stream = 300, .bytes_of_all_streams = 2000};
 
 TEST(CreditBudget, GivesWhatIsWantedWithinTheLimitsOfAStream) {
   CreditBudget budget(kLimits);

@@ -1,4 +1,5 @@
-// How a stream ends. Clock and workers are in the test's hands.
+// SPDX-License-Identifier: Apache-2.0
+// Tests how a stream ends. Clock and workers are in the test's hands.
 #include "gtest/gtest.h"
 #include "test/server/support/session_harness.hpp"
 
@@ -82,7 +83,7 @@ TEST(Session, AWorkerThatTookAFrameOfAnEndedStreamLetsItBe) {
     ADD_FAILURE() << "segmented in vain";
     return absl::InternalError("");
   };
-  job.run(harness.segmenter());
+  job.run(harness.backend());
   EXPECT_TRUE(harness.session->ended());
 }
 

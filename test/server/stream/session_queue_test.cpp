@@ -1,5 +1,6 @@
-// Frames on their way to a worker: cancels, times to live, what makes way for what. Clock and workers are in the test's
-// hands.
+// SPDX-License-Identifier: Apache-2.0
+// Tests frames that wait for a worker: cancels, times to live, and frames that make way for others. Clock and workers
+// are in the test's hands.
 #include <thread>
 
 #include "gmock/gmock.h"
@@ -15,7 +16,7 @@ using v1::FrameOutcome;
 TEST(Session, CancelTakesAFrameOutWhereverItIs) {
   SessionHarness harness;
   harness.open(opening(v1::WHEN_BEHIND_BLOCK, v1::RESULT_ORDER_UNORDERED));
-  harness.say_cancel(99);  // unknown
+  harness.say_cancel(99);  // there is no such frame
   EXPECT_TRUE(harness.read().empty());
 
   SentFrame uploading(1);
@@ -37,7 +38,7 @@ TEST(Session, CancelTakesAFrameOutWhereverItIs) {
   };
   harness.compute();
   EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_CANCELLED);
-  harness.say_cancel(3);  // its outcome is known
+  harness.say_cancel(3);  // its outcome is known already
   EXPECT_TRUE(harness.read().empty());
 }
 
@@ -82,7 +83,7 @@ TEST(Session, DropOldestMakesRoomForTheNewest) {
   harness.compute();
   EXPECT_THAT(sequences(harness.outcomes()), ElementsAre(2U, 3U));
 
-  harness.executor.capacity = 0;  // other streams fill it
+  harness.executor.capacity = 0;  // other streams fill the queue
   harness.send(SentFrame(4));
   outcome = harness.outcome();
   EXPECT_EQ(outcome.sequence(), 4U);
@@ -134,13 +135,14 @@ TEST(Session, AnUploadThatStallsFails) {
   harness.now += 1s;
   harness.session->on_tick();
   EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_UPLOAD_STALLED);
-  harness.say_chunk(1, frame.bytes.next(1));  // was on its way
+  harness.say_chunk(1, frame.bytes.next(1));  // the chunk was on its way
   harness.send(SentFrame(2));
   harness.compute();
   EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
 }
 
-// Every frame has exactly one outcome, whatever happens in whatever order, with workers of their own (for TSan, too).
+// Frames are sent, cancelled and computed on several threads at once, also under ThreadSanitizer. Every frame must have
+// exactly one outcome.
 TEST(Session, EveryFrameHasExactlyOneOutcome) {
   SessionHarness harness({.frames = 8, .bytes = 1 << 20});
   harness.open(opening(v1::WHEN_BEHIND_DROP_OLDEST, v1::RESULT_ORDER_UNORDERED));
@@ -157,7 +159,7 @@ TEST(Session, EveryFrameHasExactlyOneOutcome) {
         job = std::move(stolen.back());
         stolen.pop_back();
       }
-      job.run(harness.segmenter());
+      job.run(harness.backend());
     }
   };
   std::thread one(work), two(work);

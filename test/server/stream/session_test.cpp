@@ -1,5 +1,10 @@
-// The protocol of stream.proto without a transport, with the clock and the workers in the test's hands: what comes in
-// and what goes out, credit, faults.
+// SPDX-License-Identifier: Apache-2.0
+// Tests the protocol of stream.proto without a transport: messages in both directions, credit, and faults. Clock and
+// workers are in the test's hands.
+#include <functional>
+#include <new>
+#include <stdexcept>
+
 #include "gmock/gmock.h"
 #include "test/server/support/session_harness.hpp"
 
@@ -101,7 +106,7 @@ TEST(Session, OutcomesComeInTheOrderOfTheFramesIfAskedFor) {
     harness.compute();
     EXPECT_THAT(sequences(harness.outcomes()),
                 ordered ? testing::IsEmpty() : testing::Matcher<std::vector<std::uint64_t>>(ElementsAre(2U)));
-    first.run(harness.segmenter());
+    first.run(harness.backend());
     EXPECT_THAT(sequences(harness.outcomes()),
                 ordered ? testing::Matcher<std::vector<std::uint64_t>>(ElementsAre(1U, 2U)) : ElementsAre(1U));
   }
@@ -113,7 +118,7 @@ TEST(Session, AFailedFrameDoesNotEndTheStream) {
   SentFrame wrong(1);
   wrong.header.mutable_options()->set_voxel_resolution(-1);
   wrong.header.mutable_cloud()->clear_view();
-  harness.send(wrong);  // with all its chunks, which were on their way
+  harness.send(wrong);  // all its chunks follow, because they were on their way
   const FrameOutcome outcome = harness.outcome();
   EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_FAILED);
   const auto fields = wire::details_of(wire::from_message(outcome.status())).fields;
@@ -129,17 +134,37 @@ TEST(Session, AFailedFrameDoesNotEndTheStream) {
   harness.compute();
   EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_INVALID_CLOUD);
 
-  harness.on_segment = [](const auto&, const auto&, const auto&) -> absl::StatusOr<Segmentation> {
-    throw std::bad_alloc();
-  };
-  harness.send(SentFrame(4));
-  harness.compute();
-  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_INTERNAL);
-
   harness.on_segment = nullptr;
   harness.send(SentFrame(5));
   harness.compute();
   EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
+  EXPECT_FALSE(harness.session->ended());
+}
+
+TEST(Session, AnExceptionFailsItsFrameOnlyAndLeaksNothing) {
+  SessionHarness harness;
+  harness.open();
+  const std::vector<std::function<void()>> throws = {[] { throw std::runtime_error("secret"); },
+                                                     [] { throw std::bad_alloc(); }, [] { throw 1; }};
+  std::uint64_t sequence = 0;
+  for (const auto& throw_it : throws) {
+    harness.on_segment = [&](const auto&, const auto&, const auto&) -> absl::StatusOr<Segmentation> {
+      throw_it();
+      return absl::OkStatus();
+    };
+    harness.send(SentFrame(++sequence));
+    harness.compute();
+    const FrameOutcome failed = harness.outcome();
+    EXPECT_EQ(failed.kind(), v1::OUTCOME_KIND_FAILED);
+    EXPECT_EQ(failed.status().code(), static_cast<int>(absl::StatusCode::kInternal));
+    EXPECT_EQ(reason_of(failed), v1::ERROR_REASON_INTERNAL);
+    EXPECT_THAT(failed.status().message(), testing::Not(HasSubstr("secret")));
+
+    harness.on_segment = nullptr;
+    harness.send(SentFrame(++sequence));
+    harness.compute();
+    EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT) << "the worker and the stream go on";
+  }
   EXPECT_FALSE(harness.session->ended());
 }
 
@@ -189,9 +214,9 @@ TEST(Session, CreditIsUsedByHeadersAndReturnedWithTheLastChunk) {
   harness.send(SentFrame(2));
   harness.compute();
   v1::SegmentStreamResponse message;
-  ASSERT_TRUE(harness.session->next(message));  // the outcome, not yet its chunk
+  ASSERT_TRUE(harness.session->next(message));  // this is the outcome; its chunk follows
   harness.read();
-  harness.send(SentFrame(3));  // allowed again
+  harness.send(SentFrame(3));  // the credit allows a frame again
   EXPECT_FALSE(harness.session->ended());
   harness.say_header(SentFrame(4).header);
   expect_violation(harness, "credit of 2 frames");

@@ -1,4 +1,5 @@
-// SegmentStream through the loopback, asked by a plain stub.
+// SPDX-License-Identifier: Apache-2.0
+// Tests SegmentStream over the loopback with a plain stub.
 #include <map>
 #include <thread>
 
@@ -16,7 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using v1::FrameOutcome;
 
-/// A stream by the synchronous API.
+/// A stream through the synchronous API.
 class StubStream {
  public:
   explicit StubStream(RunningServer& server) : stream_(server.stub().SegmentStream(&context_)) {}
@@ -138,7 +139,7 @@ TEST(Stream, CarriesCloudsBeyondTheUnaryLimitInBothDirections) {
                          for (std::size_t i = 0; i < cloud.size(); ++i) result.labels.push_back(1 + i % 70'000);
                          return absl::StatusOr<Segmentation>(result);
                        }));
-  constexpr std::uint32_t kPoints = 1'500'000;  // 22 MB there, 6 MB back
+  constexpr std::uint32_t kPoints = 1'500'000;  // 22 MB to the server, 6 MB back
   StubStream stream(server);
   ASSERT_TRUE(stream.open());
   ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
@@ -183,14 +184,14 @@ TEST(Stream, ManyStreamsAtOnceGetTheirOwnResults) {
   ServerOptions options = small_server();
   options.workers = 2;
   RunningServer server(options);
-  const auto robot = [&server](std::uint32_t width) {
+  const auto run_client = [&server](std::uint32_t width) {
     const Cloud cloud = wall_with_box(width, 60);
     const auto expected = Segmenter().segment(cloud, Options()).value().labels;
     StubStream stream(server);
     ASSERT_TRUE(stream.open());
     for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
       ASSERT_TRUE(stream.send(SentFrame(sequence, cloud)));
-      if (sequence < 3) continue;  // so that three are on their way
+      if (sequence < 3) continue;  // three frames are on their way from now on
       const auto outcome = stream.next();
       ASSERT_TRUE(outcome);
       EXPECT_EQ(outcome->sequence(), sequence - 2);
@@ -198,15 +199,15 @@ TEST(Stream, ManyStreamsAtOnceGetTheirOwnResults) {
     }
     EXPECT_EQ(stream.finish(), absl::OkStatus());
   };
-  std::vector<std::thread> robots;
-  for (std::uint32_t i = 0; i < 8; ++i) robots.emplace_back(robot, 40 + 10 * i);
-  for (std::thread& thread : robots) thread.join();
+  std::vector<std::thread> clients;
+  for (std::uint32_t i = 0; i < 8; ++i) clients.emplace_back(run_client, 40 + 10 * i);
+  for (std::thread& thread : clients) thread.join();
 }
 
 TEST(Stream, AProtocolViolationEndsItAndTheServerGoesOn) {
   RunningServer server;
   StubStream stream(server);
-  stream.send(SentFrame(1));  // the server may end it before all of it is written
+  stream.send(SentFrame(1));  // the server may end the stream before the frame is written
   const absl::Status status = stream.finish();
   EXPECT_EQ(wire::details_of(status).reason, v1::ERROR_REASON_PROTOCOL_VIOLATION) << status;
   StubStream other(server);
@@ -307,7 +308,7 @@ TEST(Stream, AClientThatDoesNotReadEndsWithTheGracePeriod) {
   const auto cloud = wire::to_planar_message(equal_points(2'000'000, 0, 0, 1), v1::COMPRESSION_ZSTD).value();
   StubStream stream(server);
   ASSERT_TRUE(stream.open());
-  for (std::uint64_t sequence = 1; sequence <= 8; ++sequence) {  // 64 MB back, beyond any window of HTTP/2
+  for (std::uint64_t sequence = 1; sequence <= 8; ++sequence) {  // the results are 64 MB, beyond any window of HTTP/2
     ASSERT_TRUE(stream.send(SentFrame(sequence, cloud)));
   }
   ASSERT_TRUE(eventually([&] { return segmented == 8; }));

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -11,7 +12,7 @@
 
 namespace segserve::server {
 
-/// What all segmenters of a blocking fake share. `segment` waits until it is released or told to stop.
+/// Shared by all backends of a blocking fake: every segmentation waits until it is released or told to stop.
 class Blockade {
  public:
   absl::StatusOr<Segmentation> pass(const CloudView& cloud, const StopToken& stop) {
@@ -29,14 +30,14 @@ class Blockade {
   void release() { released_ = true; }
 
   int entered() const { return entered_; }  ///< calls that reached the segmentation
-  int stopped() const { return stopped_; }  ///< of these, ended by their StopToken
+  int stopped() const { return stopped_; }  ///< calls among these that their StopToken ended
 
  private:
   std::atomic<bool> released_{false};
   std::atomic<int> entered_{0}, stopped_{0};
 };
 
-/// A segmenter made of a function.
+/// A backend made of a function.
 class FakeBackend final : public SegmentationBackend {
  public:
   using Function = std::function<absl::StatusOr<Segmentation>(const CloudView&, const Options&, const StopToken&)>;
@@ -60,7 +61,7 @@ inline BackendFactory blocking_factory(Blockade& blockade) {
   });
 }
 
-/// True as soon as the condition is; false if that takes longer than any of our tests may need.
+/// Waits until the condition is true, and returns true then; false after a time that is too long for any test.
 inline bool eventually(const std::function<bool()>& condition) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (std::chrono::steady_clock::now() < deadline) {

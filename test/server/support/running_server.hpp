@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -47,7 +48,7 @@ class RunningServer {
     return response;
   }
 
-  /// The same on a connection of its own: as another client.
+  /// Makes the call on a connection of its own, as another client would.
   absl::Status segment_from_elsewhere(const v1::SegmentRequest& request) {
     grpc::ChannelArguments arguments;
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
@@ -58,7 +59,7 @@ class RunningServer {
     return wire::from_grpc(stub->Segment(&context, request, &response));
   }
 
-  /// A call in a thread of its own. The context, which can cancel it, must outlive the call.
+  /// Makes the call in a thread of its own. The context, which can cancel it, must outlive the call.
   std::future<absl::Status> segment_later(grpc::ClientContext& context, v1::SegmentRequest request) {
     return std::async(std::launch::async, [this, &context, request = std::move(request)] {
       v1::SegmentResponse response;

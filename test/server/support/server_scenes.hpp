@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 
 namespace segserve::server {
 
-/// A grey wall 1.2 m from the camera with a red box before it; the last column was not measured.
+/// A gray wall 1.2 m from the camera with a red box before it; the last column was not measured.
 inline Cloud wall_with_box(std::uint32_t width = 160, std::uint32_t height = 120) {
   Cloud cloud;
   cloud.width = width;
@@ -31,7 +32,7 @@ inline Cloud wall_with_box(std::uint32_t width = 160, std::uint32_t height = 120
   return cloud;
 }
 
-/// An unorganised cloud of equal points.
+/// An unorganized cloud of equal points.
 inline Cloud equal_points(std::uint32_t count, float x, float y, float z, View view = View::camera()) {
   Cloud cloud;
   cloud.x.assign(count, x);

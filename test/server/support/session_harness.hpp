@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -36,7 +37,7 @@ class ManualExecutor final : public FrameExecutor {
     return std::erase_if(jobs_, [ticket](const auto& entry) { return entry.first == ticket; }) > 0;
   }
 
-  /// Takes the oldest job away, as a worker does.
+  /// Takes the oldest job out, as a worker does.
   FrameJob take() {
     FrameJob job = std::move(jobs_.front().second);
     jobs_.pop_front();
@@ -52,7 +53,7 @@ class ManualExecutor final : public FrameExecutor {
   Ticket last_ = 0;
 };
 
-/// A frame as a client sends it.
+/// A frame as a client sends it: the header, and the bytes of the payload.
 struct SentFrame {
   v1::FrameHeader header;
   wire::OutgoingBytes bytes;
@@ -68,14 +69,16 @@ struct SentFrame {
       : SentFrame(sequence, wire::to_planar_message(cloud, v1::COMPRESSION_NONE).value()) {}
 };
 
-/// A session with everything around it in the test's hands: the clock, the workers, the segmenter.
+/// A session whose clock, workers and backend are in the test's hands.
 class SessionHarness {
  public:
   using Response = v1::SegmentStreamResponse;
 
   explicit SessionHarness(Credit credit = {.frames = 4, .bytes = 1 << 20})
-      : budget_({.of_a_stream = credit, .usual_bytes = credit.bytes, .all_bytes = 4 * credit.bytes}),
-        segmenter_([this](const CloudView& cloud, const Options& options, const StopToken& stop) {
+      : budget_({.most_per_stream = credit,
+                 .default_bytes_per_stream = credit.bytes,
+                 .bytes_of_all_streams = 4 * credit.bytes}),
+        backend_([this](const CloudView& cloud, const Options& options, const StopToken& stop) {
           return on_segment ? on_segment(cloud, options, stop) : absl::StatusOr<Segmentation>(all_in_one(cloud));
         }) {
     settings.now = [this] { return now; };
@@ -126,17 +129,17 @@ class SessionHarness {
   }
 
   /// Runs the oldest job in the queue.
-  void compute() { executor.take().run(segmenter_); }
-  SegmentationBackend& segmenter() { return segmenter_; }
+  void compute() { executor.take().run(backend_); }
+  SegmentationBackend& backend() { return backend_; }
 
-  /// Everything that the session has to say now.
+  /// All messages that the session has to send now.
   std::vector<Response> read() {
     std::vector<Response> responses(1);
     while (session->next(responses.back())) responses.emplace_back();
     responses.pop_back();
     return responses;
   }
-  /// The outcomes among it.
+  /// The outcomes among these messages.
   std::vector<v1::FrameOutcome> outcomes() {
     std::vector<v1::FrameOutcome> found;
     for (const Response& response : read()) {
@@ -144,7 +147,7 @@ class SessionHarness {
     }
     return found;
   }
-  /// The one outcome that there must be.
+  /// The outcome, if there is exactly one, which is expected.
   v1::FrameOutcome outcome() {
     const auto found = outcomes();
     EXPECT_EQ(found.size(), 1U);
@@ -162,10 +165,10 @@ class SessionHarness {
 
  private:
   CreditBudget budget_;
-  FakeBackend segmenter_;
+  FakeBackend backend_;
 
  public:
-  std::shared_ptr<StreamSession> session;  // ends first
+  std::shared_ptr<StreamSession> session;  // is destroyed first
 };
 
 inline v1::ErrorReason reason_of(const v1::FrameOutcome& outcome) {

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/stream/session_protocol.hpp"
+
+#include <memory>
+#include <utility>
+
+#include "core/base/status_macros.hpp"
+#include "fmt/format.h"
+#include "proto/wire/byte_run.hpp"
+#include "server/scheduling/refusals.hpp"
+#include "server/stream/protocol_violation.hpp"
+
+namespace segserve::server {
+
+absl::StatusOr<SessionProtocol::Event> SessionProtocol::receive(v1::SegmentStreamRequest& message, Time now) {
+  using Kind = v1::SegmentStreamRequest::KindCase;
+  if (open_ == message.has_open()) {
+    return protocol_violation(open_ ? "a second StreamOpen" : "the first message must be a StreamOpen");
+  }
+  switch (message.kind_case()) {
+    case Kind::kOpen:
+      return Event{.kind = Event::kOpen};
+    case Kind::kFrame:
+      return begin_frame(*message.mutable_frame(), now);
+    case Kind::kChunk:
+      return take_chunk(message.chunk(), now);
+    case Kind::kCancel:
+      return Event{.kind = Event::kCancel, .sequence = message.cancel().sequence()};
+    case Kind::KIND_NOT_SET:
+      break;
+  }
+  return protocol_violation("a message of no kind that this server knows");
+}
+
+absl::Status SessionProtocol::grant(const v1::Credit& wanted) {
+  std::optional<CreditBudget::Reservation> reservation = budget_.reserve({wanted.frames(), wanted.bytes()});
+  if (!reservation) return no_credit_left();
+  credit_ = *std::move(reservation);
+  open_ = must_send_opened_ = true;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SessionProtocol::Event> SessionProtocol::begin_frame(v1::FrameHeader& header, Time now) {
+  const std::uint64_t sequence = header.sequence();
+  if (last_sequence_ && sequence <= *last_sequence_) {
+    return protocol_violation(fmt::format("frame {} comes after frame {}", sequence, *last_sequence_));
+  }
+  if (is_uploading()) {
+    return protocol_violation(fmt::format("frame {} begins with {} bytes of frame {} missing", sequence,
+                                          upload_->payload.missing(), *last_sequence_));
+  }
+  RETURN_IF_ERROR(take_credit(header));
+  last_sequence_ = sequence;
+  last_chunk_ = now;
+  upload_ = std::make_shared<StreamFrame>(std::move(header));
+  return Event{.kind = Event::kBegun, .frame = upload_};
+}
+
+absl::Status SessionProtocol::take_credit(const v1::FrameHeader& header) {
+  const Credit& granted = credit_.credit();
+  if (used_.frames == granted.frames) {
+    return protocol_violation(
+        fmt::format("frame {} is beyond the credit of {} frames", header.sequence(), granted.frames));
+  }
+  if (header.encoded_bytes() > granted.bytes - used_.bytes) {
+    return protocol_violation(fmt::format("frame {} of {} bytes is beyond the credit of {} bytes, of which {} are left",
+                                          header.sequence(), header.encoded_bytes(), granted.bytes,
+                                          granted.bytes - used_.bytes));
+  }
+  used_.frames += 1;
+  used_.bytes += header.encoded_bytes();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<SessionProtocol::Event> SessionProtocol::take_chunk(const v1::FrameChunk& chunk, Time now) {
+  if (!upload_ || chunk.sequence() != *last_sequence_) {
+    return protocol_violation(
+        fmt::format("a chunk of frame {}, which is not the last that has begun", chunk.sequence()));
+  }
+  if (chunk.data().empty() || chunk.data().size() > wire::kMaxChunkBytes) {
+    return protocol_violation(
+        fmt::format("a chunk of {} bytes; allowed are 1 to {}", chunk.data().size(), wire::kMaxChunkBytes));
+  }
+  if (upload_->state == StreamFrame::State::kDone) return Event{};  // the chunk was on its way when the frame ended
+  if (!upload_->payload.add(chunk.data())) {
+    return protocol_violation(fmt::format("more bytes of frame {} than its header announced, {}", chunk.sequence(),
+                                          upload_->header.encoded_bytes()));
+  }
+  last_chunk_ = now;
+  if (upload_->payload.missing() > 0) return Event{};
+  return Event{.kind = Event::kUploaded, .frame = upload_};
+}
+
+StreamFramePointer SessionProtocol::half_close() {
+  half_closed_ = true;
+  return is_uploading() ? upload_ : nullptr;
+}
+
+StreamFramePointer SessionProtocol::stalled_upload(Time now, std::chrono::milliseconds timeout) const {
+  return is_uploading() && now - last_chunk_ >= timeout ? upload_ : nullptr;
+}
+
+bool SessionProtocol::next(v1::SegmentStreamResponse& message) {
+  message.Clear();
+  if (must_send_opened_) {
+    must_send_opened_ = false;
+    v1::StreamOpened& opened = *message.mutable_opened() = greeting_;
+    opened.mutable_credit()->set_frames(credit_.credit().frames);
+    opened.mutable_credit()->set_bytes(credit_.credit().bytes);
+    return true;
+  }
+  if (must_send_draining_ && open_) {
+    must_send_draining_ = false;
+    message.mutable_draining();
+    return true;
+  }
+  std::optional<std::uint64_t> returned_bytes;
+  if (!outbox_.next(message, returned_bytes)) return false;
+  if (returned_bytes) {
+    used_.frames -= 1;
+    used_.bytes -= *returned_bytes;
+  }
+  return true;
+}
+
+}  // namespace segserve::server

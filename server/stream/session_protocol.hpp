@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "segserve/v1/stream.pb.h"
+#include "server/stream/credit_budget.hpp"
+#include "server/stream/outbox.hpp"
+#include "server/stream/stream_frame.hpp"
+
+namespace segserve::server {
+
+/// The server's side of the rules in stream.proto for one stream: the order of messages, credit, uploads in chunks, and
+/// which message is sent next. It knows neither computation nor transport nor clock. One thread at a time may use it.
+class SessionProtocol {
+ public:
+  using Time = StreamFrame::Time;
+
+  /// `greeting` is the answer to StreamOpen without the credit. All references must outlive this object.
+  SessionProtocol(const v1::StreamOpened& greeting, CreditBudget& budget, Outbox& outbox)
+      : greeting_(greeting), budget_(budget), outbox_(outbox) {}
+
+  /// What a message from the client means.
+  struct Event {
+    enum Kind {
+      kNothing,   ///< all is done
+      kOpen,      ///< the client asks for a stream: `grant` or fail
+      kBegun,     ///< `frame` has begun; its settings and payload are to be prepared
+      kUploaded,  ///< the payload of `frame` is complete
+      kCancel,    ///< the client does not want the frame `sequence` any more
+    } kind = kNothing;
+    StreamFramePointer frame = nullptr;
+    std::uint64_t sequence = 0;
+  };
+  /// May take parts of the message. INVALID_ARGUMENT, PROTOCOL_VIOLATION, which ends the stream.
+  absl::StatusOr<Event> receive(v1::SegmentStreamRequest& message, Time now);
+
+  /// Accepts a stream. RESOURCE_EXHAUSTED if no credit is left for it.
+  absl::Status grant(const v1::Credit& wanted);
+
+  /// The client sends no more. Returns the frame that can never be complete, if there is one.
+  StreamFramePointer half_close();
+  bool half_closed() const { return half_closed_; }
+  /// The frame that is being uploaded if no chunk of it has come for `timeout`.
+  StreamFramePointer stalled_upload(Time now, std::chrono::milliseconds timeout) const;
+
+  /// The client shall be told that the server is about to stop.
+  void announce_draining() { must_send_draining_ = true; }
+  /// Fills in the next message to send; false if there is none now.
+  bool next(v1::SegmentStreamResponse& message);
+  /// True if everything was sent that there is to say at present.
+  bool all_sent() const { return outbox_.empty() && !must_send_opened_; }
+
+  /// Forgets the upload, so that nothing of the stream is kept after its end.
+  void forget_upload() { upload_.reset(); }
+  /// Gives the credit back.
+  void release_credit() { credit_.release(); }
+
+ private:
+  absl::StatusOr<Event> begin_frame(v1::FrameHeader& header, Time now);
+  absl::Status take_credit(const v1::FrameHeader& header);
+  absl::StatusOr<Event> take_chunk(const v1::FrameChunk& chunk, Time now);
+  bool is_uploading() const { return upload_ && upload_->state == StreamFrame::State::kUploading; }
+
+  const v1::StreamOpened& greeting_;
+  CreditBudget& budget_;
+  Outbox& outbox_;
+
+  CreditBudget::Reservation credit_;
+  Credit used_;
+  bool open_ = false, half_closed_ = false;
+  bool must_send_opened_ = false, must_send_draining_ = false;
+  std::optional<std::uint64_t> last_sequence_;
+  StreamFramePointer upload_;  // the frame that began last, also when it is over
+  Time last_chunk_;            // of `upload_`, or its header
+};
+
+}  // namespace segserve::server

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+
+#include "absl/status/status.h"
+#include "segserve/v1/stream.pb.h"
+#include "server/frames/segmentation_backend.hpp"
+#include "server/stream/frame_executor.hpp"
+#include "server/stream/outbox.hpp"
+#include "server/stream/stream_frame.hpp"
+
+namespace segserve::server {
+
+/// Decides for the frames of one stream which of them are computed, which are left out, and in which order their
+/// outcomes are sent. Every frame that was added has exactly one outcome, unless the stream ends before. It knows
+/// neither messages nor transport nor clock. One thread at a time may use it.
+class SessionScheduler {
+ public:
+  using Time = StreamFrame::Time;
+  using Computation = std::function<void(SegmentationBackend&)>;
+
+  /// Both must outlive this object.
+  SessionScheduler(FrameExecutor& executor, Outbox& outbox) : executor_(executor), outbox_(outbox) {}
+
+  /// Takes the order of outcomes and what happens when the server is behind from the client's wishes.
+  void set_policy(const v1::StreamOpen& open);
+
+  /// A new frame, whose payload is still to come.
+  void add(const StreamFramePointer& frame);
+  /// Queues a frame whose payload has come. The job calls `compute` on a worker, which calls `start` and `complete`.
+  void submit(const StreamFramePointer& frame, const Computation& compute);
+  /// A worker has taken the frame. False if its outcome is known already: it must not be computed then.
+  bool start(StreamFrame& frame);
+  /// A worker has computed the frame, which `start` allowed.
+  void complete(const StreamFramePointer& frame, FinishedFrame finished, Time now);
+
+  /// The frame ends as FAILED.
+  void fail(const StreamFramePointer& frame, const absl::Status& status);
+  /// The frame ends as CANCELLED, unless its outcome is known already. Unknown frames are ignored.
+  void cancel(std::uint64_t sequence);
+  /// Frames whose time to live is over end as EXPIRED.
+  void expire(Time now);
+  /// The stream has ended: forgets all frames, without outcomes, and stops the computation of those that have begun.
+  void abandon_all();
+
+  /// Frames without an outcome, or with one that waits for those of earlier frames.
+  std::size_t in_flight() const { return frames_.size(); }
+  /// Frames that workers have.
+  std::size_t running() const { return running_; }
+
+ private:
+  bool may_exceed_queue() const;
+  bool drop_oldest(const StreamFrame& newest);
+  void stop(const StreamFramePointer& frame, v1::OutcomeKind kind);
+  void finish(const StreamFramePointer& frame, v1::OutcomeKind kind, const absl::Status& status);
+  void finish(const StreamFramePointer& frame, FinishedFrame finished);
+  void send_in_order();
+
+  FrameExecutor& executor_;
+  Outbox& outbox_;
+  std::string client_name_;  // for the log
+  v1::ResultOrder order_ = v1::RESULT_ORDER_ORDERED;
+  v1::WhenBehind when_behind_ = v1::WHEN_BEHIND_BLOCK;
+  std::map<std::uint64_t, StreamFramePointer> frames_;  // whose outcome has not gone to the outbox, by sequence
+  std::size_t running_ = 0;
+  bool abandoned_ = false;
+};
+
+}  // namespace segserve::server
