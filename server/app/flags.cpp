@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "server/app/flags.hpp"
 
 #include <chrono>
@@ -17,9 +18,9 @@ constexpr const char* kExamples = R"(Examples:
   segserve                                      serve on 127.0.0.1:50051, one worker per CPU
   segserve --listen 127.0.0.1:0 --port-file p   pick a free port and write it to the file p
   segserve --listen unix:/run/segserve.sock     serve this machine only, on a unix socket
-  segserve --workers 4 --threads 2 --queue 16   4 calls at a time, up to 2 threads each, 16 may wait
+  segserve --workers 4 --threads 2 --queue 16   4 frames at a time, up to 2 threads each, 16 may wait
 
-SIGTERM and SIGINT stop it: health turns NOT_SERVING, new calls are refused, calls in flight finish within
+SIGTERM and SIGINT stop the server: health turns NOT_SERVING, new calls are refused, calls in flight finish within
 the grace period. Exit codes: 0 stopped by a signal, 1 cannot serve, 2 wrong flags.)";
 
 const std::map<std::string, spdlog::level::level_enum> kLogLevels = {
@@ -27,7 +28,7 @@ const std::map<std::string, spdlog::level::level_enum> kLogLevels = {
     {"error", spdlog::level::err},   {"off", spdlog::level::off},
 };
 
-/// A duration in seconds, e.g. 0.5.
+/// Adds a flag that takes a duration in seconds, e.g. 0.5.
 void add_seconds(CLI::App& app, const std::string& name, const std::string& help, std::chrono::milliseconds& value) {
   const auto set = [&value](const double& seconds) {
     value = std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
@@ -44,7 +45,7 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   Flags flags;
   ServerOptions& server = flags.server;
 
-  CLI::App app("Segments coloured 3D point clouds, over gRPC.", "segserve");
+  CLI::App app("Segments colored 3D point clouds, over gRPC.", "segserve");
   app.footer(kExamples);
   app.get_formatter()->column_width(36);
   app.set_version_flag("--version", fmt::format("segserve {}", kVersion));
@@ -55,19 +56,21 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
                "Serve plain text on an address that other machines can reach");
   app.add_option("--port-file", flags.port_file, "Write the port to this file once the server is ready")
       ->type_name("PATH");
-  app.add_option("--workers", server.workers, "Calls computed at the same time; 0: one per CPU")->capture_default_str();
-  app.add_option("--threads", server.threads, "Most threads within one call")->capture_default_str();
-  app.add_option("--queue", server.queue, "Calls that may wait for a worker; one more is refused")
+  app.add_option("--workers", server.workers, "Frames that are computed at the same time; 0: one per CPU")
+      ->capture_default_str();
+  app.add_option("--threads", server.threads, "Most threads within one frame")->capture_default_str();
+  app.add_option("--queue", server.queue, "Frames that may wait for a worker; one more is refused")
       ->capture_default_str();
   app.add_option("--queue-bytes", server.queue_bytes, "Most bytes of all requests that wait or are computed")
       ->capture_default_str();
   app.add_option("--queue-points", server.queue_points, "Most points of all clouds that wait or are computed")
       ->capture_default_str();
-  app.add_option("--stream-frames", server.stream_frames, "Most frames that one stream may have on their way")
+  app.add_option("--stream-frames", server.stream_frames, "Most frames that one stream may have under way")
       ->capture_default_str();
-  app.add_option("--stream-bytes", server.stream_bytes, "Most bytes of payload that one stream may have on their way")
+  app.add_option("--stream-bytes", server.stream_bytes, "Most bytes of payload that one stream may have under way")
       ->capture_default_str();
-  app.add_option("--all-streams-bytes", server.all_streams_bytes, "The same of all streams together")
+  app.add_option("--all-streams-bytes", server.all_streams_bytes,
+                 "Most bytes of payload that all streams together may have under way")
       ->capture_default_str();
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")

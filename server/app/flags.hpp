@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -8,15 +9,15 @@
 
 namespace segserve::server {
 
-/// What the command line says.
+/// The flags of the program `segserve`.
 struct Flags {
   ServerOptions server;
   spdlog::level::level_enum log_level = spdlog::level::info;
-  std::string port_file;  ///< empty: none
+  std::string port_file;  ///< empty: write none
 };
 
-/// The flags, or the exit code if there is nothing to run: --help, --version, or wrong flags (2), which have been
-/// reported on standard error.
+/// Reads the flags. Returns an exit code instead if there is nothing to serve: 0 after --help or --version, 2 after
+/// wrong flags, which it has reported on standard error.
 std::variant<Flags, int> parse_flags(int argc, const char* const* argv);
 
 }  // namespace segserve::server

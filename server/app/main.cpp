@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <malloc.h>
 #include <pthread.h>
 
@@ -20,7 +21,7 @@
 
 namespace {
 
-/// Blocks the signals that stop us, for every thread that is started from now on.
+/// Blocks the signals that stop the server, for this thread and every thread that it starts from now on.
 sigset_t block_stop_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -30,14 +31,14 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-/// Clouds are buffers of megabytes. By default malloc maps and unmaps each of them, and every page faults anew,
-/// which costs half of the transport's time: keep them in the heap.
+/// Makes malloc keep the buffers of clouds, which are megabytes, in the heap. By default it maps and unmaps each of
+/// them, and every page faults anew, which slows the transport down a lot.
 void tune_malloc() {
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 256 << 20);
 }
 
-/// gRPC's own lines (it calls everything an error) go to our log, and only to those who debug.
+/// Sends gRPC's own lines to our log as debug lines, because gRPC calls everything an error.
 void log_grpc(gpr_log_func_args* line) { spdlog::debug("grpc: {}:{}: {}", line->file, line->line, line->message); }
 
 void start_logging(spdlog::level::level_enum level) {
@@ -47,7 +48,7 @@ void start_logging(spdlog::level::level_enum level) {
   gpr_set_log_function(log_grpc);
 }
 
-/// Whoever waits for the file finds it whole or not at all.
+/// Writes the file in one step, so that a program that waits for it never reads half of it.
 bool write_port_file(const std::string& path, int port) {
   const std::string temporary = path + ".tmp";
   std::ofstream(temporary) << port << '\n';

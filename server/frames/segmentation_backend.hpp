@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -8,20 +9,20 @@
 
 namespace segserve::server {
 
-/// What the service needs of core, so that a test can put something else in its place. One object per
-/// worker; one thread at a time uses it.
+/// What the service needs of core; a test can put something else in its place. Every worker has an object of its own,
+/// which only that worker's thread uses.
 class SegmentationBackend {
  public:
   virtual ~SegmentationBackend() = default;
 
-  /// See segserve::Segmenter::segment.
+  /// See segserve::Segmenter::segment. May throw.
   virtual absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options,
                                                const StopToken& stop) = 0;
 };
 
 using BackendFactory = std::function<std::unique_ptr<SegmentationBackend>()>;
 
-/// Makes objects that run core's pipeline and keep its buffers from call to call.
+/// Makes backends that run core's pipeline and keep its buffers from frame to frame.
 BackendFactory core_backend_factory();
 
 }  // namespace segserve::server

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <future>
 
 #include "gmock/gmock.h"
@@ -38,7 +39,8 @@ TEST_F(Drain, CallsInFlightFinishNewOnesAreRefusedAndHealthSaysSo) {
   absl::Status refused;
   ASSERT_TRUE(eventually([&] {
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + 50ms);  // the gate closes a moment after health
+    context.set_deadline(std::chrono::system_clock::now() +
+                         50ms);  // calls are refused a moment after health has changed
     v1::SegmentResponse response;
     refused = wire::from_grpc(server.stub().Segment(&context, request_, &response));
     return refused.code() == absl::StatusCode::kUnavailable;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <map>
 #include <string>
 
@@ -78,7 +79,8 @@ TEST(ServerInfo, DefaultsAreThoseOfThisServer) {
   EXPECT_FALSE(defaults.contains("regions"));
 }
 
-/// Asks grpc.reflection.v1alpha for its list of services, by bytes: the messages' C++ would be in this process twice.
+/// Asks grpc.reflection.v1alpha for its list of services. Uses bytes instead of generated messages, which would be in
+/// this process twice.
 std::string reflected_services(RunningServer& server) {
   grpc::GenericStub stub(server.channel());
   grpc::CompletionQueue queue;
@@ -90,7 +92,7 @@ std::string reflected_services(RunningServer& server) {
       stub.PrepareCall(&context, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue);
   call->StartCall(nullptr);
   queue.Next(&tag, &ok);
-  const grpc::Slice list_services(std::string("\x3a\x01*"));  // field 7, a string of 1 byte
+  const grpc::Slice list_services(std::string("\x3a\x01*"));  // field 7 is a string of 1 byte
   call->WriteLast(grpc::ByteBuffer(&list_services, 1), {}, nullptr);
   queue.Next(&tag, &ok);
   grpc::ByteBuffer response;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <string>
 
 #include "gmock/gmock.h"
@@ -15,7 +16,7 @@ namespace {
 constexpr wire::Outputs kEverything{
     .labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD};
 
-/// What the server answers, back as core's types.
+/// The server's answer, converted to core's types.
 wire::Result ask(RunningServer& server, v1::SegmentRequest request, std::size_t points) {
   *request.mutable_outputs() = wire::to_message(kEverything);
   const auto response = server.segment(request);
@@ -55,7 +56,7 @@ TEST(Segment, EveryPayloadGivesTheLabelsOfALocalRun) {
   }
 }
 
-/// Labels are in the order of the points that were sent, with points that are not finite in between.
+/// Labels come in the order of the points that were sent, with points that are not finite in between.
 TEST(Segment, EveryCodecGivesTheLabelsOfALocalRunOnTheDecodedPayload) {
   ServerOptions options = small_server();
   options.enable_draco = true;
@@ -136,7 +137,7 @@ TEST(Segment, LeavesOutWhatTheOptionsSay) {
   }
 }
 
-TEST(Segment, WithoutColourAndInAWorldView) {
+TEST(Segment, WithoutColorAndInAWorldView) {
   RunningServer server;
   Cloud cloud = wall_with_box();
   cloud.rgb.clear();

@@ -1,9 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "gmock/gmock.h"
 #include "test/server/support/fake_backend.hpp"
 #include "test/server/support/running_server.hpp"
 #include "test/server/support/server_scenes.hpp"
 
-// Whoever gives up stops the computation, and frees the worker for others.
+// A client that gives up stops the computation, which frees the worker for others.
 namespace segserve::server {
 namespace {
 
