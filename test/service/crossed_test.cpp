@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+// Crosses every way of asking with every codec, every output and every place where a frame may be computed. All of them
+// must give the results of segserve::segment on the cloud that the payload decodes to, or the same refusal.
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "fmt/format.h"
+#include "gtest/gtest.h"
+#include "proto/wire/cloud_message.hpp"
+#include "proto/wire/codec_message.hpp"
+#include "proto/wire/request_message.hpp"
+#include "segserve/client/client.hpp"
+#include "segserve/codec/draco.hpp"
+#include "segserve/segment.hpp"
+#include "server/server.hpp"
+#include "test/server/support/server_scenes.hpp"
+
+namespace segserve {
+namespace {
+
+using client::Client;
+using client::Result;
+using wire::Outputs;
+
+// Differs from the defaults, so that a way which forgets the options gives another result.
+constexpr Options kOptions{.voxel_resolution = 0.012, .seed_resolution = 0.09, .threshold = 0.4, .threads = 2};
+
+enum class Way { kCall, kStream, kStreamWithOwnFrames };
+constexpr std::array kWays{Way::kCall, Way::kStream, Way::kStreamWithOwnFrames};
+
+std::string_view name(Way way) {
+  switch (way) {
+    case Way::kCall:
+      return "unary call";
+    case Way::kStream:
+      return "stream";
+    case Way::kStreamWithOwnFrames:
+      return "stream, outputs and options said by the frame";
+  }
+  return "";
+}
+
+struct OutputsRow {
+  std::string_view name;
+  Outputs outputs;
+};
+constexpr Outputs kNothing{.labels = false};
+constexpr std::array kOutputs{
+    OutputsRow{"labels", {.labels = true}},
+    OutputsRow{"supervoxels", {.labels = false, .supervoxels = true}},
+    OutputsRow{"tree", {.labels = false, .tree = true}},
+    OutputsRow{"segments", {.labels = false, .segments = true}},
+    OutputsRow{"everything", {.labels = true, .supervoxels = true, .tree = true, .segments = true}},
+    OutputsRow{
+        "everything, zstd",
+        {.labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD}},
+    OutputsRow{"nothing", kNothing},
+};
+
+/// One cloud in one codec, and what must come of it.
+struct Encoded {
+  std::string_view codec;
+  client::Payload payload;
+  Segmentation expected;  ///< of the decoded payload
+};
+
+Encoded encode(const CloudView& cloud, const wire::CodecInfo& codec) {
+  const v1::Cloud message = wire::to_message(cloud, {.codec = codec.codec}).value();
+  const wire::DecodedCloud decoded = wire::decode_cloud(message, {.draco = true}).value();
+  Segmentation expected = segment(decoded.cloud, kOptions).value();
+  EXPECT_TRUE(describe(decoded.cloud, 1, {}, expected).ok());
+  EXPECT_GE(expected.segments, 2U) << codec.name << ": the scene tests nothing";
+  return {codec.name, client::cloud_payload(cloud, {.codec = codec.codec}).value(), std::move(expected)};
+}
+
+/// The scene in every codec that this build has.
+const std::vector<Encoded>& encoded_scenes() {
+  static const std::vector<Encoded> scenes = [] {
+    std::vector<Encoded> made;
+    const Cloud cloud = server::wall_with_box(96, 72);
+    for (const wire::CodecInfo& codec : wire::codecs()) made.push_back(encode(cloud, codec));
+    return made;
+  }();
+  return scenes;
+}
+
+/// The names of the parts of a result that are not as they must be; empty if there are none. A part that was not asked
+/// for must be absent, but a result that was computed in this process has all arrays.
+std::string differences(const Result& result, const Segmentation& expected, const Outputs& asked) {
+  const Segmentation& actual = result.segmentation;
+  std::string names;
+  const auto check = [&names](std::string_view part, bool is_right) {
+    if (!is_right) names += fmt::format("{}{}", names.empty() ? "" : ", ", part);
+  };
+  const auto check_array = [&](std::string_view part, bool is_asked, const auto& array, const auto& wanted) {
+    const bool may_be_left = result.in_this_process && array == wanted;
+    check(part, is_asked ? array == wanted : array.empty() || may_be_left);
+  };
+  check_array("labels", asked.labels, actual.labels, expected.labels);
+  check_array("supervoxels", asked.supervoxels, actual.supervoxels, expected.supervoxels);
+  check("tree", asked.tree ? actual.tree == expected.tree : result.in_this_process || actual.tree == MergeTree());
+  check("statistics", asked.segments ? actual.statistics == expected.statistics : actual.statistics.empty());
+  check("number of segments", actual.segments == expected.segments);
+  check("number of supervoxels", result.supervoxels == expected.tree.leaf_count());
+  check("number of voxels", actual.voxels == expected.voxels);
+  check("numbers of points", result.points == expected.labels.size() &&
+                                 actual.finite_points == expected.finite_points &&
+                                 actual.segmented_points == expected.segmented_points);
+  check("threshold", actual.threshold == expected.threshold);
+  check("lambda", actual.lambda == expected.lambda);
+  return names;
+}
+
+/// Asks in one way for any number of frames.
+class Asker {
+ public:
+  Asker(const Client& client, Way way, const Outputs& outputs, bool fallback_to_local)
+      : client_(client), way_(way), outputs_(outputs) {
+    if (way == Way::kCall) return;
+    client::StreamOptions options{.wait_for_server = false, .fallback_to_local = fallback_to_local};
+    if (way == Way::kStream) {
+      options.options = kOptions;
+      options.outputs = outputs;
+    } else {
+      options.outputs = kNothing;
+    }
+    stream_ = client.open_stream(std::move(options)).value();
+  }
+
+  absl::StatusOr<Result> ask(const client::Payload& payload) {
+    if (!stream_) return client_.segment_payload(payload, kOptions, {.outputs = outputs_});
+    client::FrameOptions frame;
+    if (way_ == Way::kStreamWithOwnFrames) {
+      frame.options = kOptions;
+      frame.outputs = outputs_;
+    }
+    if (const auto sequence = stream_->send(payload, std::move(frame)); !sequence.ok()) return sequence.status();
+    std::optional<client::Outcome> outcome = stream_->next();
+    if (outcome->kind != client::OutcomeKind::kResult) return outcome->status;
+    return *std::move(outcome->result);
+  }
+
+ private:
+  const Client& client_;
+  const Way way_;
+  const Outputs outputs_;
+  std::optional<client::Stream> stream_;
+};
+
+/// Where a frame may be computed.
+struct Place {
+  std::string_view name;
+  bool has_server;
+  bool fallback_to_local;
+};
+void PrintTo(const Place& place, std::ostream* out) { *out << place.name; }
+
+class Crossed : public testing::TestWithParam<Place> {
+ protected:
+  Crossed() : client_(connect(enable_draco(true))), client_without_draco_(connect(enable_draco(false))) {}
+
+  /// Asks for the payload in every way and for every output. `judge` returns what is wrong with an answer.
+  template <typename Judge>
+  void ask_all(const Client& client, std::string_view codec, const client::Payload& payload, Judge judge) const {
+    for (const Way way : kWays) {
+      for (const OutputsRow& row : kOutputs) {
+        Asker asker(client, way, row.outputs, GetParam().fallback_to_local);
+        const std::string wrong = judge(asker.ask(payload), row.outputs);
+        if (!wrong.empty()) ADD_FAILURE() << fmt::format("{}, {}, {}: {}", name(way), codec, row.name, wrong);
+      }
+    }
+  }
+
+  std::vector<std::unique_ptr<server::Server>> servers_;
+  Client client_, client_without_draco_;
+
+ private:
+  static server::ServerOptions enable_draco(bool enable) {
+    server::ServerOptions options;
+    options.listen = "127.0.0.1:0";
+    options.workers = 1;
+    options.threads = 2;
+    options.drain_delay = std::chrono::milliseconds(0);
+    options.enable_draco = enable;
+    return options;
+  }
+
+  Client connect(const server::ServerOptions& options) {
+    std::string address = "127.0.0.1:1";  // nothing listens here
+    if (GetParam().has_server) {
+      servers_.push_back(server::Server::start(options).value());
+      address = servers_.back()->address();
+    }
+    return Client::connect({.address = address, .fallback_to_local = GetParam().fallback_to_local}).value();
+  }
+};
+
+constexpr Place kServer{"Server", true, false};
+constexpr Place kServerAndFallback{"ServerAndFallback", true, true};
+constexpr Place kFallback{"FallbackWithoutServer", false, true};
+constexpr Place kNowhere{"NeitherServerNorFallback", false, false};
+
+std::string place_name(const testing::TestParamInfo<Place>& info) { return std::string(info.param.name); }
+
+/// What is wrong with a status, in words.
+std::string not_expected(const absl::Status& status) { return fmt::format("got {}", status.ToString()); }
+
+class CrossedResults : public Crossed {};
+INSTANTIATE_TEST_SUITE_P(Places, CrossedResults, testing::Values(kServer, kServerAndFallback, kFallback), place_name);
+
+TEST_P(CrossedResults, AreThoseOfSegmentOnTheDecodedPayload) {
+  for (const Encoded& scene : encoded_scenes()) {
+    ask_all(client_, scene.codec, scene.payload, [&](const absl::StatusOr<Result>& result, const Outputs& outputs) {
+      if (!result.ok()) return not_expected(result.status());
+      if (result->in_this_process == GetParam().has_server) return std::string("computed in the wrong place");
+      const std::string parts = differences(*result, scene.expected, outputs);
+      return parts.empty() ? "" : fmt::format("differs in {}", parts);
+    });
+  }
+}
+
+/// The reason why a cloud cannot be segmented is told in the same words, whichever way the cloud comes.
+TEST_P(CrossedResults, CloudsThatCannotBeSegmentedAreRefusedAlike) {
+  const std::vector<Cloud> clouds = {server::equal_points(9, 0, 0, -1),
+                                     server::equal_points(9, 1e30F, 0, 0, View::world())};
+  for (const Cloud& cloud : clouds) {
+    const absl::Status expected = segment(cloud, kOptions).status();
+    ASSERT_EQ(expected.code(), absl::StatusCode::kInvalidArgument);
+    const client::Payload payload = client::cloud_payload(cloud).value();
+    ask_all(client_, "a bad cloud", payload, [&](const absl::StatusOr<Result>& result, const Outputs&) {
+      const absl::Status& status = result.status();
+      const bool as_expected = status.code() == expected.code() && status.message() == expected.message();
+      return as_expected ? "" : not_expected(status);
+    });
+  }
+}
+
+class CrossedRefusals : public Crossed {};
+INSTANTIATE_TEST_SUITE_P(Places, CrossedRefusals, testing::Values(kServer, kServerAndFallback), place_name);
+
+TEST_P(CrossedRefusals, OfDracoWhereItIsNotEnabled) {
+  if (!codec::draco_is_built()) GTEST_SKIP() << "built without Draco";
+  const Cloud cloud = server::wall_with_box(96, 72);
+  const v1::Cloud message = wire::to_message(cloud, {.codec = wire::Codec::kDraco}).value();
+  const absl::Status expected = wire::check_kind(message, {.draco = false});
+  ASSERT_EQ(expected.code(), absl::StatusCode::kInvalidArgument);
+  ask_all(client_without_draco_, "draco", client::cloud_payload(cloud, {.codec = wire::Codec::kDraco}).value(),
+          [&](const absl::StatusOr<Result>& result, const Outputs&) {
+            const absl::Status& status = result.status();
+            const bool as_expected = status.code() == expected.code() && status.message() == expected.message();
+            return as_expected ? "" : not_expected(status);
+          });
+}
+
+class CrossedAbsence : public Crossed {};
+INSTANTIATE_TEST_SUITE_P(Places, CrossedAbsence, testing::Values(kNowhere), place_name);
+
+TEST_P(CrossedAbsence, IsUnavailable) {
+  for (const Encoded& scene : encoded_scenes()) {
+    ask_all(client_, scene.codec, scene.payload, [](const absl::StatusOr<Result>& result, const Outputs&) {
+      return absl::IsUnavailable(result.status()) ? "" : not_expected(result.status());
+    });
+  }
+}
+
+}  // namespace
+}  // namespace segserve
