@@ -1,5 +1,6 @@
-// A robot that wants the newest scene: it sends every frame of its camera, lets the oldest go when it is behind, and
-// has no use for segments of what it saw more than half a second ago.
+// SPDX-License-Identifier: Apache-2.0
+// A robot that wants the newest scene. It sends every frame of its camera, drops the oldest when it is behind, and has
+// no use for the segments of a scene that it saw more than half a second ago.
 //
 //     example_stream robot-a:50051,robot-b:50051
 #include <chrono>

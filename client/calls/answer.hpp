@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -6,8 +7,8 @@
 
 namespace segserve::client {
 
-/// What a server answered, if it holds what was asked for. INTERNAL otherwise: a bad answer is the server's fault,
-/// not the caller's.
+/// Passes on a result that holds the arrays of `wanted`. INTERNAL otherwise, because a bad answer is the fault of the
+/// server and not of the caller.
 absl::StatusOr<wire::Result> check_answer(absl::StatusOr<wire::Result> result, const wire::Outputs& wanted);
 
 }  // namespace segserve::client

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/calls/call_status.hpp"
 
 #include <string>
@@ -8,8 +9,8 @@
 namespace segserve::client {
 namespace {
 
-/// Nobody answered: the error is gRPC's own and knows nothing of the server.
-bool is_of_connection(const absl::Status& status, const wire::ErrorDetails& details) {
+/// Whether gRPC made the error because no server answered.
+bool is_connection_error(const absl::Status& status, const wire::ErrorDetails& details) {
   const bool candidate = absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status);
   return candidate && details.reason == v1::ERROR_REASON_UNSPECIFIED;
 }
@@ -20,7 +21,7 @@ absl::Status call_status(const grpc::Status& grpc_status, std::string_view addre
   const absl::Status status = wire::from_grpc(grpc_status);
   const wire::ErrorDetails details = wire::details_of(status);
   std::string message(status.message());
-  if (is_of_connection(status, details)) message = fmt::format("no answer from {}: {}", address, message);
+  if (is_connection_error(status, details)) message = fmt::format("no answer from {}: {}", address, message);
   for (const FieldViolation& fault : details.fields) {
     if (message.find(fault.field) == std::string::npos) {
       message += fmt::format("; {}: {}", fault.field, fault.description);

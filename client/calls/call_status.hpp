@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string_view>
@@ -7,8 +8,8 @@
 
 namespace segserve::client {
 
-/// The error of a call as a status that people can read: every wrong field is named in the message,
-/// a wait that the server asks for too, and an error of the connection says to whom.
+/// The error of a call as a status whose message people can read: it names every wrong field, the time to wait if the
+/// server asked for that, and `address` if the connection failed.
 absl::Status call_status(const grpc::Status& status, std::string_view address);
 
 }  // namespace segserve::client

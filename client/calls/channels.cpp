@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/calls/channels.hpp"
 
 #include <utility>
@@ -16,7 +17,7 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address) {
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   arguments.SetInt(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, wire::kFlowControlBytes);
-  // The repetitions are ours: gRPC must not wait for minutes behind our back.
+  // Calls are repeated by this library, which must not wait for a backoff of gRPC's.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MIN_RECONNECT_BACKOFF_MS, 2000);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
@@ -27,24 +28,24 @@ std::shared_ptr<grpc::Channel> make_channel(const std::string& address) {
 }  // namespace
 
 Channels::Channels(std::vector<std::string> addresses)
-    : addresses_(std::move(addresses)), own_(true), channels_(addresses_.size()) {}
+    : addresses_(std::move(addresses)), made_here_(true), channels_(addresses_.size()) {}
 
 Channels::Channels(std::string address, std::shared_ptr<grpc::Channel> channel)
-    : addresses_{std::move(address)}, own_(false), channels_{std::move(channel)} {}
+    : addresses_{std::move(address)}, made_here_(false), channels_{std::move(channel)} {}
 
 std::shared_ptr<grpc::Channel> Channels::get(std::size_t address) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   if (!channels_[address]) channels_[address] = make_channel(addresses_[address]);
   return channels_[address];
 }
 
 void Channels::renew(std::size_t address, const std::shared_ptr<grpc::Channel>& cut) {
-  const std::lock_guard lock(mutex_);
-  if (own_ && channels_[address] == cut) channels_[address] = nullptr;
+  const MutexLock lock(mutex_);
+  if (made_here_ && channels_[address] == cut) channels_[address] = nullptr;
 }
 
 std::size_t Channels::next_start() {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   return starts_++;
 }
 

@@ -1,23 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/client/client.hpp"
 
-#include <random>
-#include <thread>
+#include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "client/calls/answer.hpp"
-#include "client/calls/call_status.hpp"
 #include "client/calls/channels.hpp"
 #include "client/calls/local.hpp"
+#include "client/calls/payload_data.hpp"
+#include "client/calls/repeated_call.hpp"
 #include "client/calls/request.hpp"
-#include "client/calls/retry.hpp"
 #include "client/stream/address_book.hpp"
-#include "client/stream/stream_driver.hpp"
+#include "client/stream/stream_threads.hpp"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "grpc/health/v1/health.grpc.pb.h"
-#include "grpcpp/client_context.h"
 #include "proto/wire/status_message.hpp"
-#include "proto/wire/transport_limits.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
 
 namespace segserve::client {
@@ -27,84 +25,92 @@ using Service = v1::SegmentationService;
 using Health = grpc::health::v1::Health;
 using HealthRequest = grpc::health::v1::HealthCheckRequest;
 using HealthResponse = grpc::health::v1::HealthCheckResponse;
+using Timeout = std::optional<std::chrono::milliseconds>;
 
 bool is_too_large(const absl::Status& status) {
   return wire::details_of(status).reason == v1::ERROR_REASON_LIMIT_EXCEEDED;
 }
 
-/// What came of a stream; a server without streams has the limits of a unary call only.
+/// The result of a stream, or else why a unary call would not do: a server without streams has no other limits.
 absl::StatusOr<Result> or_else(absl::StatusOr<Result> streamed, const absl::Status& too_large) {
   if (absl::IsUnimplemented(streamed.status())) return too_large;
   return streamed;
 }
 
-/// Of an encoded payload the server has counted the points.
-std::size_t claimed_points(const v1::SegmentResponse& response) { return response.result().summary().points(); }
-
 }  // namespace
 
+/// What copies of a client share.
+class Client::State {
+ public:
+  State(std::shared_ptr<Channels> channels, ClientOptions options)
+      : channels_(std::move(channels)), options_(std::move(options)) {}
+
+  const std::shared_ptr<Channels>& channels() const { return channels_; }
+  const ClientOptions& options() const { return options_; }
+
+  absl::Status call(Timeout timeout, Attempt attempt) const {
+    return repeat_call(*channels_, options_, timeout.value_or(options_.timeout), attempt);
+  }
+
+  /// `points` is unset if only the server knows how many there are.
+  absl::StatusOr<Result> segment(const v1::SegmentRequest& request, const CallOptions& options,
+                                 std::optional<std::size_t> points) const {
+    v1::SegmentResponse response;
+    RETURN_IF_ERROR(call(options.timeout, [&](const auto& channel, grpc::ClientContext& context) {
+      return Service::Stub(channel).Segment(&context, request, &response);
+    }));
+    const std::size_t expected = points.value_or(response.result().summary().points());
+    return check_answer(wire::from_message(response.result(), expected), options.outputs);
+  }
+
+  bool falls_back(const absl::Status& status) const {
+    return options_.fallback_to_local && absl::IsUnavailable(status);
+  }
+
+  /// Stops at the deadline of a call that began at `start`.
+  StopToken until_deadline(Time start, const CallOptions& options) const {
+    return StopToken(nullptr, start + options.timeout.value_or(options_.timeout));
+  }
+
+ private:
+  const std::shared_ptr<Channels> channels_;
+  const ClientOptions options_;
+};
+
 absl::StatusOr<Client> Client::connect(ClientOptions options) {
-  auto addresses = parse_addresses(options.address);
-  if (!addresses.ok()) return addresses.status();
+  ASSIGN_OR_RETURN(std::vector<std::string> addresses, parse_addresses(options.address));
   if (options.timeout <= std::chrono::milliseconds::zero()) {
     return absl::InvalidArgumentError(fmt::format("timeout: {} ms is not above 0", options.timeout.count()));
   }
-  return Client(std::make_shared<Channels>(*std::move(addresses)), std::move(options));
+  auto channels = std::make_shared<Channels>(std::move(addresses));
+  return Client(std::make_shared<const State>(std::move(channels), std::move(options)));
 }
 
-Client::Client(std::shared_ptr<Channels> channels, ClientOptions options)
-    : channels_(std::move(channels)), options_(std::move(options)) {}
+Client::Client(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 
 Client::Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options)
-    : Client(std::make_shared<Channels>(options.address, std::move(channel)), options) {}
-
-absl::Status Client::call(std::optional<std::chrono::milliseconds> timeout, Attempt attempt) const {
-  const Time deadline = Clock::now() + timeout.value_or(options_.timeout);
-  const std::vector<std::string>& addresses = channels_->addresses();
-  AddressBook book(addresses.size(), channels_->next_start(), options_.retry, std::random_device()());
-  absl::Status status;
-  for (std::uint32_t tries = 0; tries == 0 || is_worth_another(status, tries, book); ++tries) {
-    const AddressBook::Choice choice = book.choose(Clock::now());
-    if (choice.not_before >= deadline) break;
-    std::this_thread::sleep_until(choice.not_before);
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + (deadline - Clock::now()));
-    context.set_wait_for_ready(options_.wait_for_server && addresses.size() == 1);
-    const grpc::Status answer = attempt(channels_->get(choice.address), context);
-    if (answer.ok()) return absl::OkStatus();
-    status = as_seen_by_a_caller_who_did_not_cancel(call_status(answer, addresses[choice.address]));
-    book.failed(choice.address, Clock::now(), wire::details_of(status).retry_delay);
-  }
-  return status;
-}
-
-bool Client::is_worth_another(const absl::Status& status, std::uint32_t tries, const AddressBook& book) const {
-  if (!is_retryable(status)) return false;
-  const bool server_said_so = wire::details_of(status).reason != v1::ERROR_REASON_UNSPECIFIED;
-  if (server_said_so) return tries < options_.retry.max_attempts;
-  return options_.wait_for_server || !book.nobody_in_reach();
-}
+    : Client(std::make_shared<const State>(std::make_shared<Channels>(options.address, std::move(channel)), options)) {}
 
 absl::StatusOr<Stream> Client::open_stream(StreamOptions options) const {
-  if (absl::Status status = wire::invalid_fields(violations(options)); !status.ok()) return status;
+  RETURN_IF_ERROR(wire::invalid_fields(violations(options)));
   const wire::CodecOptions codec = options.codec;
-  return Stream(std::make_shared<StreamDriver>(channels_, std::move(options)), codec);
+  return Stream(std::make_shared<StreamThreads>(state_->channels(), std::move(options)), codec);
 }
 
 absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& options, const CallOptions& call) const {
   const Time start = Clock::now();
   const auto request = cloud_request(cloud, options, call);
   if (request.ok()) {
-    auto result = call_segment(*request, call, cloud.size());
-    if (!is_local_turn(result.status())) return result;
-    return segment_here(Payload(request->cloud(), cloud.size()), options, call.outputs, until_deadline(start, call));
+    auto result = state_->segment(*request, call, cloud.size());
+    if (!state_->falls_back(result.status())) return result;
+    const StopToken stop = state_->until_deadline(start, call);
+    return segment_here(make_payload(request->cloud(), cloud.size()), options, call.outputs, stop);
   }
   if (!is_too_large(request.status())) return request.status();
   const bool compress = call.compress != Compress::kNever;
   const wire::CodecOptions planar{.codec = compress ? wire::Codec::kPlanarZstd : wire::Codec::kPlanar};
-  auto payload = cloud_payload(cloud, call.codec.value_or(planar));
-  if (!payload.ok()) return payload.status();
-  return or_else(stream_one(*std::move(payload), options, call), request.status());
+  ASSIGN_OR_RETURN(Payload payload, cloud_payload(cloud, call.codec.value_or(planar)));
+  return or_else(stream_one(std::move(payload), options, call), request.status());
 }
 
 absl::StatusOr<Result> Client::segment_payload(const Payload& payload, const Options& options,
@@ -112,17 +118,9 @@ absl::StatusOr<Result> Client::segment_payload(const Payload& payload, const Opt
   const Time start = Clock::now();
   const auto request = payload_request(payload, options, call);
   if (!request.ok()) return or_else(stream_one(payload, options, call), request.status());
-  auto result = call_segment(*request, call, std::nullopt);
-  if (!is_local_turn(result.status())) return result;
-  return segment_here(payload, options, call.outputs, until_deadline(start, call));
-}
-
-StopToken Client::until_deadline(std::chrono::steady_clock::time_point start, const CallOptions& call) const {
-  return StopToken(nullptr, start + call.timeout.value_or(options_.timeout));
-}
-
-bool Client::is_local_turn(const absl::Status& status) const {
-  return options_.fallback_to_local && absl::IsUnavailable(status);
+  auto result = state_->segment(*request, call, std::nullopt);
+  if (!state_->falls_back(result.status())) return result;
+  return segment_here(payload, options, call.outputs, state_->until_deadline(start, call));
 }
 
 absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::optional<View> view,
@@ -130,52 +128,38 @@ absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::opt
   return segment_payload(pcd_payload(std::move(file_bytes), view), options, call);
 }
 
-absl::StatusOr<Result> Client::call_segment(const v1::SegmentRequest& request, const CallOptions& call,
-                                            std::optional<std::size_t> points) const {
-  v1::SegmentResponse response;
-  const absl::Status status = this->call(call.timeout, [&](const auto& channel, grpc::ClientContext& context) {
-    return Service::Stub(channel).Segment(&context, request, &response);
-  });
-  if (!status.ok()) return status;
-  const std::size_t expected = points.value_or(claimed_points(response));
-  return check_answer(wire::from_message(response.result(), expected), call.outputs);
-}
-
 absl::StatusOr<Result> Client::stream_one(Payload payload, const Options& options, const CallOptions& call) const {
+  const ClientOptions& client_options = state_->options();
   StreamOptions stream_options{.options = options, .outputs = call.outputs};
   stream_options.max_in_flight = 1;
   stream_options.wanted_bytes = payload.bytes();
-  stream_options.frame_timeout = call.timeout.value_or(options_.timeout);
-  stream_options.retry = options_.retry;
-  stream_options.wait_for_server = options_.wait_for_server;
-  stream_options.fallback_to_local = options_.fallback_to_local;
-  auto stream = open_stream(std::move(stream_options));
-  if (!stream.ok()) return stream.status();
-  const auto sequence = stream->send(std::move(payload), {.request_id = call.request_id});
-  if (!sequence.ok()) return sequence.status();
-  std::optional<Outcome> outcome = stream->next();
+  stream_options.frame_timeout = call.timeout.value_or(client_options.timeout);
+  stream_options.retry = client_options.retry;
+  stream_options.wait_for_server = client_options.wait_for_server;
+  stream_options.fallback_to_local = client_options.fallback_to_local;
+  ASSIGN_OR_RETURN(Stream stream, open_stream(std::move(stream_options)));
+  RETURN_IF_ERROR(stream.send(std::move(payload), {.request_id = call.request_id}).status());
+  std::optional<Outcome> outcome = stream.next();
   if (outcome->kind != OutcomeKind::kResult) return outcome->status;
   return *std::move(outcome->result);
 }
 
-absl::StatusOr<ServerInfo> Client::server_info(std::optional<std::chrono::milliseconds> timeout) const {
+absl::StatusOr<ServerInfo> Client::server_info(Timeout timeout) const {
   ServerInfo info;
-  const absl::Status status = call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
+  RETURN_IF_ERROR(state_->call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
     return Service::Stub(channel).GetServerInfo(&context, {}, &info);
-  });
-  if (!status.ok()) return status;
+  }));
   return info;
 }
 
-absl::Status Client::health(std::optional<std::chrono::milliseconds> timeout) const {
+absl::Status Client::health(Timeout timeout) const {
   HealthResponse response;
-  absl::Status status = call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
+  RETURN_IF_ERROR(state_->call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
     return Health::Stub(channel).Check(&context, HealthRequest(), &response);
-  });
-  if (!status.ok()) return status;
+  }));
   if (response.status() == HealthResponse::SERVING) return absl::OkStatus();
   return absl::UnavailableError(
-      fmt::format("{} is {}", options_.address, HealthResponse::ServingStatus_Name(response.status())));
+      fmt::format("{} is {}", state_->options().address, HealthResponse::ServingStatus_Name(response.status())));
 }
 
 }  // namespace segserve::client

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -11,12 +12,12 @@
 
 namespace segserve::client {
 
-/// What a server would answer, computed in this process by the same core: all arrays, and the segments' statistics if
-/// `outputs` asks for them. Errors as `segment`.
+/// Segments a cloud in this process as a server would. The result holds all arrays, and the statistics of the segments
+/// if `outputs` asks for them. `view_rule` says why the cloud has its view. Fails as segserve::segment does.
 absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::string& view_rule, const Options& options,
                                           const wire::Outputs& outputs, const StopToken& stop);
 
-/// The same on what a server would decode.
+/// Does the same for the cloud that a server would decode.
 absl::StatusOr<wire::Result> segment_here(const Payload& payload, const Options& options, const wire::Outputs& outputs,
                                           const StopToken& stop);
 

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/calls/request.hpp"
 
 #include <cstdint>
 #include <string_view>
 #include <utility>
 
+#include "client/calls/payload_data.hpp"
+#include "core/base/status_macros.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "proto/wire/status_message.hpp"
@@ -25,24 +28,17 @@ absl::Status check_size(std::uint64_t bytes, std::string_view what) {
   return wire::limit_exceeded(what, bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
 }
 
-/// The request if it is not too large.
-absl::StatusOr<v1::SegmentRequest> checked(absl::StatusOr<v1::SegmentRequest> request, std::string_view what) {
-  if (!request.ok()) return request;
-  if (absl::Status size = check_size(request->ByteSizeLong(), what); !size.ok()) return size;
-  return request;
-}
-
-/// Bytes of the planes without compression: tells early that there is no need to try.
+/// The size of the planes without compression, which tells early that there is no need to encode them.
 std::uint64_t raw_bytes(const CloudView& cloud) {
   return std::uint64_t{cloud.size()} * (3 * sizeof(float) + (cloud.has_color() ? 3 : 0));
 }
 
-absl::StatusOr<v1::SegmentRequest> encode(const CloudView& cloud, const wire::CodecOptions& codec,
-                                          const Options& options, const CallOptions& call) {
-  absl::StatusOr<v1::Cloud> message = wire::to_message(cloud, codec);
-  if (!message.ok()) return message.status();
+/// The request with the cloud in this encoding, unless it is too large. `what` begins the message of that error.
+absl::StatusOr<v1::SegmentRequest> encode(const CloudView& cloud, wire::CodecOptions codec, const Options& options,
+                                          const CallOptions& call, std::string_view what = "the request has") {
   v1::SegmentRequest request = request_without_cloud(options, call);
-  *request.mutable_cloud() = *std::move(message);
+  ASSIGN_OR_RETURN(*request.mutable_cloud(), wire::to_message(cloud, codec));
+  RETURN_IF_ERROR(check_size(request.ByteSizeLong(), what));
   return request;
 }
 
@@ -50,27 +46,28 @@ absl::StatusOr<v1::SegmentRequest> encode(const CloudView& cloud, const wire::Co
 
 absl::StatusOr<v1::SegmentRequest> cloud_request(const CloudView& cloud, const Options& options,
                                                  const CallOptions& call) {
-  if (absl::Status status = check_shape(cloud); !status.ok()) return status;
-  if (call.codec) return checked(encode(cloud, *call.codec, options, call), "the request has");
+  RETURN_IF_ERROR(check_shape(cloud));
+  if (call.codec) return encode(cloud, *call.codec, options, call);
   if (call.compress != Compress::kAlways) {
-    absl::Status raw = check_size(raw_bytes(cloud), "the cloud, not compressed, has");
-    if (raw.ok()) {
-      auto request = checked(encode(cloud, {.codec = wire::Codec::kPlanar}, options, call), "the request has");
+    absl::Status too_large = check_size(raw_bytes(cloud), "the cloud, not compressed, has");
+    if (too_large.ok()) {
+      auto request = encode(cloud, {.codec = wire::Codec::kPlanar}, options, call);
       if (request.ok()) return request;
-      raw = request.status();
+      too_large = request.status();
     }
-    if (call.compress == Compress::kNever) return raw;
+    if (call.compress == Compress::kNever) return too_large;
   }
-  return checked(encode(cloud, {.codec = wire::Codec::kPlanarZstd}, options, call),
-                 "the request, with the cloud compressed, has");
+  return encode(cloud, {.codec = wire::Codec::kPlanarZstd}, options, call,
+                "the request, with the cloud compressed, has");
 }
 
 absl::StatusOr<v1::SegmentRequest> payload_request(const Payload& payload, const Options& options,
                                                    const CallOptions& call) {
-  if (absl::Status size = check_size(payload.bytes(), "the payload has"); !size.ok()) return size;
+  RETURN_IF_ERROR(check_size(payload.bytes(), "the payload has"));
   v1::SegmentRequest request = request_without_cloud(options, call);
-  *request.mutable_cloud() = payload.message();
-  return checked(std::move(request), "the request has");
+  *request.mutable_cloud() = message_of(payload);
+  RETURN_IF_ERROR(check_size(request.ByteSizeLong(), "the request has"));
+  return request;
 }
 
 }  // namespace segserve::client

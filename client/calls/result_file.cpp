@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/client/result_file.hpp"
 
 #include <zlib.h>
@@ -8,16 +9,18 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/v1/segment.pb.h"
 
 namespace segserve::client {
 namespace {
 
 constexpr std::string_view kMagic = "segserve-result ";
 constexpr std::string_view kVersion = "2";
-constexpr std::size_t kMaxHeader = 64;
-/// protobuf reads no larger message.
+constexpr std::size_t kMaxHeader = 64;  // bytes
+/// Protobuf reads no larger message.
 constexpr std::size_t kMaxPayload = std::numeric_limits<std::int32_t>::max();
 
 std::uint32_t crc32_of(std::string_view bytes) {
@@ -51,12 +54,12 @@ absl::StatusOr<Header> parse_header(std::string_view line) {
   const std::string_view version = take_word(line);
   if (version != kVersion) {
     return absl::InvalidArgumentError(
-        fmt::format("the saved result has version '{}', this program reads version {}", version, kVersion));
+        fmt::format("the saved result has version '{}', but this program reads version {}", version, kVersion));
   }
   const auto payload_bytes = parse<std::uint64_t>(take_word(line), 10);
   const auto crc = parse<std::uint32_t>(take_word(line), 16);
   if (!payload_bytes || !crc || !line.empty()) {
-    return absl::InvalidArgumentError("the saved result's first line is damaged");
+    return absl::InvalidArgumentError("the first line of the saved result is damaged");
   }
   return Header{*payload_bytes, *crc};
 }
@@ -64,7 +67,7 @@ absl::StatusOr<Header> parse_header(std::string_view line) {
 absl::Status check_payload(std::string_view payload, const Header& header) {
   if (payload.size() != header.payload_bytes) {
     return absl::InvalidArgumentError(fmt::format(
-        "the saved result is {}: it has {} bytes after its first line, not {}",
+        "the saved result is {}: it has {} bytes after its first line instead of {}",
         payload.size() < header.payload_bytes ? "truncated" : "too long", payload.size(), header.payload_bytes));
   }
   if (payload.size() > kMaxPayload) {
@@ -85,10 +88,8 @@ absl::StatusOr<std::string> encode_result_file(const Result& result) {
                               .tree = true,
                               .segments = !result.segmentation.statistics.empty(),
                               .compression = v1::COMPRESSION_ZSTD};
-  auto message = wire::to_message(result, outputs);
-  if (!message.ok()) return message.status();
   v1::SegmentResponse response;
-  *response.mutable_result() = *std::move(message);
+  ASSIGN_OR_RETURN(*response.mutable_result(), wire::to_message(result, outputs));
   if (response.ByteSizeLong() > kMaxPayload) {
     return absl::InvalidArgumentError(fmt::format(
         "the result is too large for a file: {} bytes, at most {} are allowed", response.ByteSizeLong(), kMaxPayload));
@@ -100,15 +101,14 @@ absl::StatusOr<std::string> encode_result_file(const Result& result) {
 absl::StatusOr<Result> decode_result_file(std::string_view bytes) {
   const std::size_t end_of_line = bytes.substr(0, kMaxHeader).find('\n');
   const bool has_line = end_of_line != std::string_view::npos;
-  const auto header = parse_header(bytes.substr(0, has_line ? end_of_line : kMaxHeader));
-  if (!header.ok()) return header.status();
+  ASSIGN_OR_RETURN(const Header header, parse_header(bytes.substr(0, has_line ? end_of_line : kMaxHeader)));
   if (!has_line) return absl::InvalidArgumentError("the saved result is truncated in its first line");
   const std::string_view payload = bytes.substr(end_of_line + 1);
-  if (absl::Status status = check_payload(payload, *header); !status.ok()) return status;
+  RETURN_IF_ERROR(check_payload(payload, header));
 
   v1::SegmentResponse response;
   if (!response.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {
-    return absl::InvalidArgumentError("the saved result is damaged: it is no SegmentResponse");
+    return absl::InvalidArgumentError("the saved result is damaged: it does not hold a SegmentResponse");
   }
   const std::uint64_t points = response.result().summary().points();
   if (const std::uint64_t allowed = codec::DecodeLimits{}.max_points; points > allowed) {

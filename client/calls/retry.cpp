@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/calls/retry.hpp"
 
 #include "proto/wire/status_message.hpp"
@@ -30,7 +31,7 @@ bool is_worth_reconnecting(const absl::Status& status) {
   }
 }
 
-absl::Status as_seen_by_a_caller_who_did_not_cancel(const absl::Status& status) {
+absl::Status unavailable_if_cancelled(const absl::Status& status) {
   if (!absl::IsCancelled(status)) return status;
   return absl::UnavailableError("the server ended the call");
 }

@@ -1,20 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
-
-#include <string_view>
 
 #include "absl/status/status.h"
 
 namespace segserve::client {
 
-/// Whether another try may succeed: UNAVAILABLE, RESOURCE_EXHAUSTED, ABORTED (checksum), an upload that stalled.
-/// The caller's own CANCELLED must not be asked here: a server that shuts down ends calls as CANCELLED, too.
+/// Whether another try may succeed: after UNAVAILABLE, RESOURCE_EXHAUSTED, ABORTED (a checksum differed), CANCELLED,
+/// and an upload that stalled. CANCELLED counts because servers that shut down end calls so; do not ask if the caller
+/// cancelled.
 bool is_retryable(const absl::Status& status);
 
-/// Whether a stream that ended with this status could do better on another connection. False for errors that
-/// every server would answer again.
+/// Whether a stream that ended with this status may do better on another connection. False for errors that every server
+/// would repeat.
 bool is_worth_reconnecting(const absl::Status& status);
 
-/// UNAVAILABLE in place of the CANCELLED without details with which a server that shuts down ends calls.
-absl::Status as_seen_by_a_caller_who_did_not_cancel(const absl::Status& status);
+/// Replaces CANCELLED, with which servers that shut down end calls, by UNAVAILABLE. For calls that this client did not
+/// cancel.
+absl::Status unavailable_if_cancelled(const absl::Status& status);
 
 }  // namespace segserve::client

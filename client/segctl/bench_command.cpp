@@ -22,6 +22,7 @@
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/v1/server_info.pb.h"
 
 namespace segserve::segctl {
 namespace {

@@ -9,6 +9,7 @@
 #include "nlohmann/json.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
+#include "segserve/v1/server_info.pb.h"
 
 namespace segserve::segctl {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "client/segctl/batch.hpp"
 #include "fmt/format.h"
+#include "segserve/v1/server_info.pb.h"
 
 namespace segserve::segctl {
 namespace {

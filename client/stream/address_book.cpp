@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/stream/address_book.hpp"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ absl::StatusOr<std::vector<std::string>> parse_addresses(std::string_view text) 
   for (std::size_t begin = 0; begin <= text.size();) {
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string_view address = trimmed(text.substr(begin, end - begin));
-    if (address.empty()) return absl::InvalidArgumentError(fmt::format("an empty address in '{}'", text));
+    if (address.empty()) return absl::InvalidArgumentError(fmt::format("there is an empty address in '{}'", text));
     addresses.emplace_back(address);
     begin = end + 1;
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "client/calls/local.hpp"
+#include "client/calls/payload_data.hpp"
 #include "fmt/format.h"
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
@@ -211,7 +213,7 @@ class FakeServer final : public v1::SegmentationService::Service {
     const v1::Outputs& asked = header.has_outputs() ? header.outputs() : open.outputs();
     const wire::Outputs outputs{asked.labels(), asked.supervoxels(), asked.tree(), asked.segments(),
                                 v1::COMPRESSION_ZSTD};
-    const auto result = segment_here(Payload(header.cloud(), header.points()), options, outputs, StopToken());
+    const auto result = segment_here(make_payload(header.cloud(), header.points()), options, outputs, StopToken());
     if (!result.ok()) return fail(stream, header, result.status());
     v1::SegmentStreamResponse response;
     v1::FrameOutcome& outcome = *response.mutable_outcome();

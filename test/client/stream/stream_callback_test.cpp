@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// StreamOptions::on_outcome: what it gets, and that a callback that takes its time holds up nothing but later callbacks.
+// StreamOptions::on_outcome: what it gets, and that a callback that takes its time holds up nothing but later
+// callbacks.
 #include <atomic>
 #include <chrono>
 #include <cstdint>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -6,61 +7,57 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "proto/wire/byte_run.hpp"
-#include "proto/wire/cloud_message.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/labelled_cloud.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/stop_token.hpp"
-#include "segserve/v1/cloud.pb.h"
 
 namespace segserve::client {
 
-/// A cloud as it goes over the wire: encoded once, sent any number of times. Copies share the bytes.
+struct PayloadData;
+
+/// A cloud as it goes over the wire: encoded once and sent any number of times. Copies share the bytes, and any number
+/// of threads may use them.
+///
+///     const auto payload = cloud_payload(cloud, {.codec = wire::Codec::kPlanarZstd});
+///     if (payload.ok()) stream.send(*payload);
 class Payload {
  public:
-  Payload() = default;
-  /// Takes the bytes out of the message. `points` and `decoded_bytes` as in v1.FrameHeader; 0: not known.
-  explicit Payload(v1::Cloud message, std::uint64_t points = 0, std::uint64_t decoded_bytes = 0);
-  explicit Payload(wire::OutgoingCloud cloud, std::uint64_t points, std::uint64_t decoded_bytes);
+  /// An empty payload, which no server accepts.
+  Payload();
+  /// For the library itself; the functions below make payloads.
+  explicit Payload(std::shared_ptr<const PayloadData> data);
 
-  /// The message without the bytes of its blocks.
-  const v1::Cloud& header() const { return data_->header; }
-  /// The bytes. Never null.
-  const std::shared_ptr<const wire::ByteRun>& run() const { return data_->run; }
-  std::uint64_t bytes() const { return run()->size(); }
-  std::uint64_t points() const { return data_->points; }
-  std::uint64_t decoded_bytes() const { return data_->decoded_bytes; }
-
-  /// The message with its bytes.
-  v1::Cloud message() const;
+  /// The size of the encoded bytes.
+  std::uint64_t bytes() const;
+  /// The number of points in the cloud; 0 if only a decoder can tell.
+  std::uint64_t points() const;
+  /// The size of the decoded cloud, bytes; 0 if only a decoder can tell.
+  std::uint64_t decoded_bytes() const;
+  /// For the library itself.
+  const PayloadData& data() const { return *data_; }
 
  private:
-  struct Data {
-    v1::Cloud header;
-    std::shared_ptr<const wire::ByteRun> run = std::make_shared<const wire::ByteRun>();
-    std::uint64_t points = 0;
-    std::uint64_t decoded_bytes = 0;
-  };
-  std::shared_ptr<const Data> data_ = std::make_shared<const Data>();
+  std::shared_ptr<const PayloadData> data_;
 };
 
-/// The cloud in its own view; by default as planar raw. INVALID_ARGUMENT if its planes do not fit each other, or the
-/// codec cannot encode it.
+/// Encodes a cloud in its own view; by default as planar raw. INVALID_ARGUMENT if the planes do not fit each other, or
+/// the codec cannot encode the cloud.
 absl::StatusOr<Payload> cloud_payload(const CloudView& cloud, const wire::CodecOptions& codec = {});
 
-/// The same; by the codec `planar` without a copy: the coordinates are sent from where they are, and must not change as
-/// long as the payload is in use.
+/// Does the same for a cloud that is shared. The codec `planar` does not copy its coordinates: they must not change
+/// while the payload is in use.
 absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const wire::CodecOptions& codec = {});
 
-/// A PCD file as it is. The view, if given, overrides the file's.
+/// Sends a PCD file as it is. The view, if given, overrides the file's. The server says if the file is broken.
 Payload pcd_payload(std::string file_bytes, std::optional<View> view = std::nullopt);
 
-/// The images of an RGB-D camera as they are.
+/// Sends the images of an RGB-D camera as they are. The server says if they are broken.
 Payload rgbd_payload(codec::RgbdFiles images);
 
-/// The cloud that a server makes of the payload, and by which rule it chose the view.
+/// The cloud that a server makes of the payload, and the rule by which it chose the view. INVALID_ARGUMENT if the
+/// payload is broken; the status of `stop` once it says so.
 absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload, const StopToken& stop = {});
 
 }  // namespace segserve::client

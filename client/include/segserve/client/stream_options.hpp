@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -14,8 +15,8 @@ namespace segserve::client {
 
 /// What happens to frames that come faster than they are segmented.
 enum class WhenBehind : std::uint8_t {
-  kBlock,       ///< send() waits. Nothing is lost
-  kDropOldest,  ///< the oldest frame that waits ends as DROPPED: for robots that want the newest scene
+  kBlock,       ///< send() waits; nothing is lost
+  kDropOldest,  ///< the oldest frame that waits ends as kDropped: for robots that want the newest scene
   kReject,      ///< send() fails with RESOURCE_EXHAUSTED
 };
 
@@ -25,12 +26,13 @@ enum class Order : std::uint8_t {
   kDone,  ///< as soon as each is known
 };
 
-/// Frames are pure functions of their bytes and options, so sending them again is always safe.
+/// How frames and calls are repeated. Repeating is always safe, because results are pure functions of the bytes and
+/// options that are sent.
 struct RetryOptions {
-  /// A frame that was sent so often without an answer, or was told so often to come again, fails.
+  /// How often a frame or call is sent, from 1. It then fails with its last error.
   std::uint32_t max_attempts = 5;
-  /// Waits before an address is tried again: doubling from the first to the largest, shortened at random by up to
-  /// a half. A server's RetryInfo makes them longer.
+  /// The time before an address is tried again doubles from the first to the largest, and is shortened at random by up
+  /// to a half. It is never less than the server asked for (RetryInfo).
   std::chrono::milliseconds first_backoff{50};
   std::chrono::milliseconds max_backoff{5000};
 };
@@ -39,37 +41,39 @@ struct StreamOptions {
   std::string client_name = {};   ///< for the server's logs; at most 256 bytes
   Options options = {};           ///< of frames that have none of their own
   wire::CodecOptions codec = {};  ///< how clouds are sent
+  /// Which arrays results hold, of frames that do not say so themselves.
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
   Order order = Order::kSent;
   WhenBehind when_behind = WhenBehind::kBlock;
 
-  /// Frames that are sent, or answered and not yet taken by next(). The server's credit may make it less.
+  /// How many frames may be sent, or have a result that next() has not taken; 1 to 1024. The server's credit may allow
+  /// fewer.
   std::size_t max_in_flight = 4;
-  /// Frames that wait in this process until they may be sent; at least 1.
+  /// How many frames may wait in this process until they may be sent; 1 to 1024.
   std::size_t max_waiting = 1;
-  /// Bytes of payload in flight to ask the server for; 0: as it thinks fit. A frame of more bytes than it
-  /// grants fails.
+  /// How many bytes of payload in flight the server is asked for; 0: as it thinks fit. A frame of more bytes than the
+  /// server grants fails.
   std::uint64_t wanted_bytes = 0;
 
-  /// A frame without an outcome fails after this time with DEADLINE_EXCEEDED.
+  /// A frame without an outcome fails after this time with DEADLINE_EXCEEDED; 1 ms to a day.
   std::chrono::milliseconds frame_timeout{30'000};
-  /// A connection that shows no sign of life for so long is given up. (A server that computes for long is
-  /// asked, and answers.)
+  /// A connection without a sign of life for this time is given up; 2 ms to a day. A server that computes for long
+  /// answers a probe in between.
   std::chrono::milliseconds progress_timeout{5000};
 
   RetryOptions retry = {};
-  /// When no address is in reach: true, frames wait until one is or their time is over; false, they fail
+  /// What frames do when no address is in reach: true, they wait until one is or their time is over; false, they fail
   /// with UNAVAILABLE.
   bool wait_for_server = true;
-  /// When no address is in reach, segment in this process, by the same core.
+  /// Whether frames are segmented in this process, by the same core, when no address is in reach.
   bool fallback_to_local = false;
 
   /// Gets every outcome, one at a time, on a thread that does nothing else; next() then gives none. It may take its
-  /// time and may call send(). It must not destroy the stream and must not throw.
+  /// time, which delays no deadline, and may call send(). It must not destroy the stream and must not throw.
   std::function<void(Outcome)> on_outcome = nullptr;
 };
 
-/// Every fault, by name; empty if there is none.
+/// All faults, with the name of each field; empty if there is none.
 std::vector<FieldViolation> violations(const StreamOptions& options);
 
 }  // namespace segserve::client

@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "client/calls/serialise.hpp"
+#include "client/stream/outgoing_message.hpp"
 #include "gtest/gtest.h"
 #include "segserve/v1/stream.pb.h"
 
 namespace segserve::client {
 
 /// The bytes as gRPC gets them, in one piece.
-inline std::string wire_bytes(const Outgoing& outgoing) {
-  const grpc::ByteBuffer buffer = serialise(outgoing);
+inline std::string wire_bytes(const OutgoingMessage& outgoing) {
+  const grpc::ByteBuffer buffer = serialize(outgoing);
   std::vector<grpc::Slice> slices;
   EXPECT_TRUE(buffer.Dump(&slices).ok());
   std::string bytes;
@@ -20,7 +20,7 @@ inline std::string wire_bytes(const Outgoing& outgoing) {
 }
 
 /// The message as the server gets it.
-inline v1::SegmentStreamRequest received(const Outgoing& outgoing) {
+inline v1::SegmentStreamRequest received(const OutgoingMessage& outgoing) {
   v1::SegmentStreamRequest message;
   EXPECT_TRUE(message.ParseFromString(wire_bytes(outgoing)));
   return message;

@@ -1,5 +1,5 @@
 // One connection's side of the protocol: what is sent, and what a server may not do.
-#include "client/stream/connection.hpp"
+#include "client/stream/stream_protocol.hpp"
 
 #include <string>
 #include <vector>
@@ -8,31 +8,31 @@
 #include "gtest/gtest.h"
 #include "proto/wire/byte_run.hpp"
 #include "test/client/client_scenes.hpp"
-#include "test/client/stream/outgoing_message.hpp"
+#include "test/client/stream/received_message.hpp"
 
 namespace segserve::client {
 namespace {
 
 using Request = v1::SegmentStreamRequest;
 using Response = v1::SegmentStreamResponse;
-using Event = Connection::Event;
+using Event = StreamProtocol::Event;
 
-class ConnectionTest : public testing::Test {
+class StreamProtocolTest : public testing::Test {
  protected:
   void SetUp() override {
-    Outgoing outgoing;
-    ASSERT_TRUE(connection_.next(outgoing));
+    OutgoingMessage outgoing;
+    ASSERT_TRUE(protocol_.next(outgoing));
     ASSERT_TRUE(outgoing.message.has_open());
     Response opened;
     opened.mutable_opened()->mutable_credit()->set_frames(2);
     opened.mutable_opened()->mutable_credit()->set_bytes(10'000);
     opened.mutable_opened()->set_max_chunk_bytes(150);
-    ASSERT_TRUE(connection_.receive(opened).ok());
+    ASSERT_TRUE(protocol_.receive(opened).ok());
   }
 
   std::vector<Request> sent() {
     std::vector<Request> messages;
-    for (Outgoing outgoing; connection_.next(outgoing);) messages.push_back(received(outgoing));
+    for (OutgoingMessage outgoing; protocol_.next(outgoing);) messages.push_back(received(outgoing));
     return messages;
   }
 
@@ -54,16 +54,16 @@ class ConnectionTest : public testing::Test {
   }
 
   bool is_refused(Response response) {
-    const auto event = connection_.receive(response);
+    const auto event = protocol_.receive(response);
     return absl::IsInternal(event.status());
   }
 
   Payload payload_ = *cloud_payload(flat_cloud(10, 10));  // 400, 400, 400, 300 bytes
-  Connection connection_{v1::StreamOpen()};
+  StreamProtocol protocol_{v1::StreamOpen()};
 };
 
-TEST_F(ConnectionTest, CutsAPayloadIntoChunksThatFitItsChecksum) {
-  connection_.begin(7, {}, payload_);
+TEST_F(StreamProtocolTest, CutsAPayloadIntoChunksThatFitItsChecksum) {
+  protocol_.begin(7, {}, payload_);
   const auto messages = sent();
   ASSERT_GT(messages.size(), 10U);
   const v1::FrameHeader& header = messages[0].frame();
@@ -77,74 +77,74 @@ TEST_F(ConnectionTest, CutsAPayloadIntoChunksThatFitItsChecksum) {
   EXPECT_EQ(wire::crc32(0, bytes), header.crc32());
 }
 
-TEST_F(ConnectionTest, OneUploadAfterTheOther) {
-  EXPECT_TRUE(connection_.has_turn());
-  connection_.begin(1, {}, payload_);
-  EXPECT_FALSE(connection_.has_turn());
+TEST_F(StreamProtocolTest, OneUploadAfterTheOther) {
+  EXPECT_TRUE(protocol_.has_turn());
+  protocol_.begin(1, {}, payload_);
+  EXPECT_FALSE(protocol_.has_turn());
   sent();
-  EXPECT_TRUE(connection_.has_turn());
-  connection_.begin(2, {}, payload_);
+  EXPECT_TRUE(protocol_.has_turn());
+  protocol_.begin(2, {}, payload_);
   sent();
-  EXPECT_FALSE(connection_.has_turn());  // credit for two
+  EXPECT_FALSE(protocol_.has_turn());  // credit for two
 }
 
-TEST_F(ConnectionTest, CreditInBytesIsBackAfterTheLastByteOfTheAnswer) {
-  EXPECT_EQ(connection_.fit(10'001), Connection::Fit::kNever);
-  connection_.begin(1, {}, payload_);
-  EXPECT_EQ(connection_.fit(9000), Connection::Fit::kLater);
+TEST_F(StreamProtocolTest, CreditInBytesIsBackAfterTheLastByteOfTheAnswer) {
+  EXPECT_EQ(protocol_.fit(10'001), StreamProtocol::Fit::kNever);
+  protocol_.begin(1, {}, payload_);
+  EXPECT_EQ(protocol_.fit(9000), StreamProtocol::Fit::kLater);
   sent();
   Response response = outcome(1, 20);
-  ASSERT_TRUE(connection_.receive(response).ok());
-  EXPECT_EQ(connection_.fit(9000), Connection::Fit::kLater);
+  ASSERT_TRUE(protocol_.receive(response).ok());
+  EXPECT_EQ(protocol_.fit(9000), StreamProtocol::Fit::kLater);
   response = chunk(1, 20);
-  const auto event = connection_.receive(response);
+  const auto event = protocol_.receive(response);
   ASSERT_TRUE(event.ok()) << event.status();
   EXPECT_EQ(event->kind, Event::kOutcome);
   EXPECT_TRUE(event->intact);
   EXPECT_EQ(event->outcome.result().labels().data().data(), std::string(20, 'L'));
-  EXPECT_EQ(connection_.fit(9000), Connection::Fit::kNow);
+  EXPECT_EQ(protocol_.fit(9000), StreamProtocol::Fit::kNow);
 }
 
-TEST_F(ConnectionTest, ADamagedAnswerIsNoticed) {
-  connection_.begin(1, {}, payload_);
+TEST_F(StreamProtocolTest, ADamagedAnswerIsNoticed) {
+  protocol_.begin(1, {}, payload_);
   sent();
   Response response = outcome(1, 20);
   response.mutable_outcome()->set_crc32(response.outcome().crc32() + 1);
-  ASSERT_TRUE(connection_.receive(response).ok());
+  ASSERT_TRUE(protocol_.receive(response).ok());
   response = chunk(1, 20);
-  const auto event = connection_.receive(response);
+  const auto event = protocol_.receive(response);
   ASSERT_TRUE(event.ok());
   EXPECT_FALSE(event->intact);
 }
 
-TEST_F(ConnectionTest, NoChunksFollowACancelOrAnOutcome) {
-  connection_.begin(1, {}, payload_);
-  Outgoing outgoing;
-  ASSERT_TRUE(connection_.next(outgoing) && connection_.next(outgoing));
-  connection_.cancel(1);
+TEST_F(StreamProtocolTest, NoChunksFollowACancelOrAnOutcome) {
+  protocol_.begin(1, {}, payload_);
+  OutgoingMessage outgoing;
+  ASSERT_TRUE(protocol_.next(outgoing) && protocol_.next(outgoing));
+  protocol_.cancel(1);
   auto messages = sent();
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_TRUE(messages[0].has_cancel());
 
-  connection_.begin(2, {}, payload_);
-  ASSERT_TRUE(connection_.next(outgoing) && connection_.next(outgoing));
+  protocol_.begin(2, {}, payload_);
+  ASSERT_TRUE(protocol_.next(outgoing) && protocol_.next(outgoing));
   Response failed = outcome(2, 0);
   failed.mutable_outcome()->set_kind(v1::OUTCOME_KIND_FAILED);
-  ASSERT_TRUE(connection_.receive(failed).ok());
+  ASSERT_TRUE(protocol_.receive(failed).ok());
   EXPECT_TRUE(sent().empty());
 }
 
-TEST_F(ConnectionTest, EndsWhenTheUploadIsThrough) {
-  connection_.begin(1, {}, payload_);
-  connection_.end();
-  EXPECT_FALSE(connection_.has_turn());
-  EXPECT_FALSE(connection_.wants_half_close());
+TEST_F(StreamProtocolTest, EndsWhenTheUploadIsThrough) {
+  protocol_.begin(1, {}, payload_);
+  protocol_.end();
+  EXPECT_FALSE(protocol_.has_turn());
+  EXPECT_FALSE(protocol_.wants_half_close());
   sent();
-  EXPECT_TRUE(connection_.wants_half_close());
+  EXPECT_TRUE(protocol_.wants_half_close());
 }
 
-TEST_F(ConnectionTest, AServerMustKeepToTheProtocol) {
-  connection_.begin(1, {}, payload_);
+TEST_F(StreamProtocolTest, AServerMustKeepToTheProtocol) {
+  protocol_.begin(1, {}, payload_);
   sent();
   EXPECT_TRUE(is_refused(outcome(2, 0)));  // no such frame
   EXPECT_TRUE(is_refused(chunk(1, 1)));    // no result
@@ -162,23 +162,23 @@ TEST_F(ConnectionTest, AServerMustKeepToTheProtocol) {
   constexpr std::size_t kMost = 100 * 28 + (64 << 10U);  // of 100 points
   EXPECT_TRUE(is_refused(outcome(1, kMost + 1)));
   Response long_but_possible = outcome(1, kMost);
-  EXPECT_TRUE(Connection(connection_).receive(long_but_possible).ok());
+  EXPECT_TRUE(StreamProtocol(protocol_).receive(long_but_possible).ok());
 
   Response begun = outcome(1, 20);
-  ASSERT_TRUE(connection_.receive(begun).ok());
+  ASSERT_TRUE(protocol_.receive(begun).ok());
   EXPECT_TRUE(is_refused(chunk(1, 21)));    // too long
   EXPECT_TRUE(is_refused(chunk(2, 5)));     // of another
   EXPECT_TRUE(is_refused(outcome(1, 20)));  // in between
 }
 
-TEST(Connection, NothingComesBeforeOpened) {
-  Connection connection{v1::StreamOpen()};
+TEST(StreamProtocol, NothingComesBeforeOpened) {
+  StreamProtocol protocol{v1::StreamOpen()};
   Response draining;
   draining.mutable_draining();
-  EXPECT_TRUE(absl::IsInternal(connection.receive(draining).status()));
+  EXPECT_TRUE(absl::IsInternal(protocol.receive(draining).status()));
   Response no_credit;
   no_credit.mutable_opened();
-  EXPECT_TRUE(absl::IsInternal(connection.receive(no_credit).status()));
+  EXPECT_TRUE(absl::IsInternal(protocol.receive(no_credit).status()));
 }
 
 }  // namespace

@@ -1,29 +1,29 @@
-#include "client/calls/serialise.hpp"
+#include "client/stream/outgoing_message.hpp"
 
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 
-#include "test/client/stream/outgoing_message.hpp"
+#include "test/client/stream/received_message.hpp"
 
 namespace segserve::client {
 namespace {
 
-Outgoing chunk(std::uint64_t sequence, std::shared_ptr<std::string> bytes) {
-  Outgoing outgoing;
+OutgoingMessage chunk(std::uint64_t sequence, std::shared_ptr<std::string> bytes) {
+  OutgoingMessage outgoing;
   outgoing.message.mutable_chunk()->set_sequence(sequence);
   outgoing.data = *bytes;
   outgoing.owner = std::make_shared<const wire::ByteRun>(std::vector<std::string_view>{*bytes}, bytes);
   return outgoing;
 }
 
-TEST(Serialise, AChunkIsWrittenAsProtobufWritesIt) {
+TEST(OutgoingMessage, AChunkIsWrittenAsProtobufWritesIt) {
   for (const std::uint64_t sequence : {std::uint64_t{1}, std::uint64_t{127}, std::uint64_t{128}, ~std::uint64_t{0}}) {
     for (const std::size_t size : {std::size_t{1}, std::size_t{127}, std::size_t{128}, std::size_t{256} << 10U}) {
       const auto bytes = std::make_shared<std::string>(size, 'x');
       bytes->back() = 'y';
-      const Outgoing outgoing = chunk(sequence, bytes);
+      const OutgoingMessage outgoing = chunk(sequence, bytes);
       v1::SegmentStreamRequest expected;
       expected.mutable_chunk()->set_sequence(sequence);
       expected.mutable_chunk()->set_data(*bytes);
@@ -33,17 +33,17 @@ TEST(Serialise, AChunkIsWrittenAsProtobufWritesIt) {
   }
 }
 
-TEST(Serialise, OtherMessagesAreThemselves) {
-  Outgoing outgoing;
+TEST(OutgoingMessage, OtherMessagesAreThemselves) {
+  OutgoingMessage outgoing;
   outgoing.message.mutable_frame()->set_frame_id("camera");
   EXPECT_EQ(wire_bytes(outgoing), outgoing.message.SerializeAsString());
   EXPECT_EQ(byte_size(outgoing), outgoing.message.ByteSizeLong());
 }
 
-TEST(Serialise, DataAreSharedUntilTheyAreSent) {
+TEST(OutgoingMessage, DataAreSharedUntilTheyAreSent) {
   auto bytes = std::make_shared<std::string>(1000, 'x');
-  Outgoing outgoing = chunk(1, bytes);
-  grpc::ByteBuffer buffer = serialise(outgoing);
+  OutgoingMessage outgoing = chunk(1, bytes);
+  grpc::ByteBuffer buffer = serialize(outgoing);
   outgoing = {};
   EXPECT_EQ(bytes.use_count(), 2) << "the buffer's";
   {

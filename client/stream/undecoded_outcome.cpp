@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/stream/undecoded_outcome.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <utility>
+
+#include "client/calls/answer.hpp"
+
+namespace segserve::client {
+
+Outcome decode(UndecodedOutcome undecoded) {
+  Outcome outcome = std::move(undecoded.outcome);
+  if (outcome.kind != OutcomeKind::kResult || outcome.result) return outcome;
+  const Time start = Clock::now();
+  const std::size_t points = undecoded.points != 0 ? undecoded.points : undecoded.message.summary().points();
+  auto result = check_answer(wire::from_message(undecoded.message, points), undecoded.outputs);
+  outcome.report.decode_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+  if (result.ok()) {
+    outcome.result = *std::move(result);
+  } else {
+    outcome.kind = OutcomeKind::kFailed;
+    outcome.status = result.status();
+  }
+  return outcome;
+}
+
+}  // namespace segserve::client

@@ -1,0 +1,205 @@
+// What a stream decides about connections, without transport: the test is the clock and the server.
+#include "gmock/gmock.h"
+#include "test/client/stream/stream_harness.hpp"
+
+namespace segserve::client {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using Response = v1::SegmentStreamResponse;
+
+TEST(StreamScheduler, ABrokenConnectionMovesItsFramesToTheNextAddress) {
+  StreamHarness stream({.max_waiting = 3});
+  stream.open();
+  stream.send();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 2U);
+  stream.close(absl::CancelledError(""));  // as a server that shuts down does
+  stream.open();
+  ASSERT_EQ(stream.actions_.size(), 2U);
+  EXPECT_EQ(stream.actions_[0].address, 0U);
+  EXPECT_EQ(stream.actions_[1].address, 1U);
+  EXPECT_EQ(stream.begun(), 2U);
+  stream.end(2);
+  stream.end(1);
+  EXPECT_EQ(stream.taken().size(), 2U);
+  EXPECT_EQ(stream.last_.report.attempts, 2U);
+  EXPECT_EQ(stream.last_.report.address, "b");
+}
+
+TEST(StreamScheduler, WithOneAddressItWaitsBeforeItTriesAgain) {
+  StreamHarness stream({}, {"a"});
+  stream.open();
+  stream.close(absl::UnavailableError("gone"));
+  stream.act();
+  EXPECT_EQ(stream.connections_.size(), 1U);
+  stream.pass(RetryOptions{}.first_backoff);
+  EXPECT_EQ(stream.connections_.size(), 2U);
+}
+
+TEST(StreamScheduler, ADrainingServerKeepsWhatItHasAndGetsNothingNew) {
+  StreamHarness stream({.max_waiting = 5});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  const auto old = stream.connections_.back();
+  Response draining;
+  draining.mutable_draining();
+  stream.answer(draining);
+  stream.send();
+  EXPECT_TRUE(StreamHarness::headers(stream.sent(old)).empty());
+  EXPECT_TRUE(stream.scheduler_.wants_half_close(old));
+  stream.open();
+  EXPECT_NE(stream.connections_.back(), old);
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.answer(StreamHarness::outcome(1, v1::OUTCOME_KIND_RESULT), old);
+  stream.scheduler_.on_closed(old, absl::UnavailableError("drained"), stream.now_);
+  stream.end(1);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult), ended(2, OutcomeKind::kResult)));
+  EXPECT_EQ(stream.last_.report.attempts, 1U);
+}
+
+TEST(StreamScheduler, ARejectedFrameFailsIfThatWasAskedFor) {
+  StreamHarness stream({.when_behind = WhenBehind::kReject});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.fail(1, absl::ResourceExhaustedError("full"));
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+}
+
+TEST(StreamScheduler, ObeysTheServersRetryInfo) {
+  StreamHarness stream;
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  wire::ErrorDetails details;
+  details.reason = v1::ERROR_REASON_QUEUE_FULL;
+  details.retry_delay = milliseconds(3000);
+  stream.fail(1, wire::with_details(absl::ResourceExhaustedError("full"), details));
+  stream.pass(milliseconds(2990));
+  EXPECT_EQ(stream.begun(), 0U);
+  stream.pass(milliseconds(10));
+  EXPECT_EQ(stream.begun(), 1U);
+}
+
+TEST(StreamScheduler, AFrameThatBreaksEveryConnectionIsGivenUp) {
+  StreamHarness stream({.retry = {.max_attempts = 3}});
+  stream.send();
+  for (int i = 0; i < 3; ++i) {
+    stream.pass(milliseconds(10'000 / 4));
+    stream.open();
+    EXPECT_EQ(stream.begun(), 1U);
+    stream.close(absl::UnavailableError("crashed"));
+  }
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+  EXPECT_TRUE(absl::IsUnavailable(stream.last_.status)) << stream.last_.status;
+}
+
+TEST(StreamScheduler, AfterTheDeadlineTheServersAnswerCountsNoMore) {
+  StreamHarness stream;
+  stream.open();
+  stream.send({.timeout = milliseconds(100)});
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.pass(milliseconds(100));
+  const auto messages = stream.sent();
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_TRUE(messages[0].has_cancel());
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(stream.last_.status));
+  stream.end(1);
+  EXPECT_TRUE(stream.taken().empty());
+}
+
+TEST(StreamScheduler, ASilentConnectionIsProbedAndThenGivenUp) {
+  StreamHarness stream({.progress_timeout = milliseconds(1000)});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.pass(milliseconds(500));
+  EXPECT_EQ(stream.actions_.back().kind, LinkAction::kProbe);
+  stream.scheduler_.on_sign_of_life(stream.connections_.back(), stream.now_);
+  stream.pass(milliseconds(500));
+  EXPECT_EQ(stream.actions_.back().kind, LinkAction::kProbe);
+  stream.pass(milliseconds(500));
+  ASSERT_EQ(stream.actions_.size(), 5U);
+  EXPECT_EQ(stream.actions_[3].kind, LinkAction::kBreakSilent);
+  EXPECT_EQ(stream.actions_[4].kind, LinkAction::kOpen);
+  EXPECT_EQ(stream.actions_[4].address, 1U);
+}
+
+TEST(StreamScheduler, AnIdleConnectionOwesNothing) {
+  StreamHarness stream({.progress_timeout = milliseconds(1000)});
+  stream.open();
+  stream.pass(milliseconds(60'000));
+  EXPECT_EQ(stream.actions_.size(), 1U);
+}
+
+TEST(StreamScheduler, AnErrorThatEveryServerWouldRepeatEndsTheStream) {
+  StreamHarness stream;
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.close(absl::InvalidArgumentError("options.lambda: 7"));
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+  EXPECT_EQ(stream.scheduler_.admission(), StreamScheduler::Admission::kRefused);
+  EXPECT_TRUE(stream.scheduler_.exhausted());
+  stream.act();
+  EXPECT_EQ(stream.connections_.size(), 1U);
+}
+
+TEST(StreamScheduler, LocalWorkNeedsEveryAddressToHaveFailed) {
+  StreamHarness stream({.fallback_to_local = true});
+  stream.send();
+  stream.act();
+  EXPECT_FALSE(stream.scheduler_.take_local_job(stream.now_).has_value());
+  stream.close(absl::UnavailableError("gone"));
+  stream.act();
+  EXPECT_FALSE(stream.scheduler_.take_local_job(stream.now_).has_value());
+  stream.close(absl::UnavailableError("gone"));
+  const auto job = stream.scheduler_.take_local_job(stream.now_);
+  ASSERT_TRUE(job.has_value());
+  EXPECT_FALSE(stream.scheduler_.take_local_job(stream.now_).has_value());
+  stream.scheduler_.on_local_result(job->sequence, Result{}, stream.now_);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult)));
+  EXPECT_TRUE(stream.last_.report.local);
+}
+
+TEST(StreamScheduler, ALocalJobHasTheFramesOutputsOrElseTheStreams) {
+  StreamHarness stream({.outputs = {.labels = true, .segments = true}, .max_waiting = 2, .fallback_to_local = true},
+                       {"a"});
+  stream.send();
+  stream.send({.options = Options{.lambda = 0.25}, .outputs = wire::Outputs{.labels = false, .tree = true}});
+  stream.act();
+  stream.close(absl::UnavailableError("gone"));
+  const auto of_stream = stream.scheduler_.take_local_job(stream.now_);
+  const auto of_frame = stream.scheduler_.take_local_job(stream.now_);
+  ASSERT_TRUE(of_stream && of_frame);
+  EXPECT_EQ(of_stream->outputs, (wire::Outputs{.labels = true, .segments = true}));
+  EXPECT_EQ(of_stream->options, Options{});
+  EXPECT_EQ(of_frame->outputs, (wire::Outputs{.labels = false, .tree = true}));
+  EXPECT_EQ(of_frame->options, Options{.lambda = 0.25});
+}
+
+TEST(StreamScheduler, TheLastOutcomeHalfClosesAndNothingIsReopened) {
+  StreamHarness stream;
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.scheduler_.finish_sending();
+  stream.act();
+  EXPECT_FALSE(stream.scheduler_.wants_half_close(stream.connections_.back()));
+  stream.end(1);
+  stream.act();
+  EXPECT_TRUE(stream.scheduler_.wants_half_close(stream.connections_.back()));
+  EXPECT_FALSE(stream.scheduler_.exhausted());
+  EXPECT_EQ(stream.taken().size(), 1U);
+  EXPECT_TRUE(stream.scheduler_.exhausted());
+  stream.close(absl::OkStatus());
+  stream.pass(milliseconds(10'000));
+  EXPECT_EQ(stream.connections_.size(), 1U);
+}
+
+}  // namespace
+}  // namespace segserve::client
