@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -6,14 +7,16 @@
 
 namespace segserve::bench {
 
-/// When frames are meant to be sent, whatever became of those before: seconds from the beginning.
+/// The times at which frames shall be sent, whatever became of those before.
 class Arrivals {
  public:
-  /// Frame k at (first + k) / rate; `rate` per second, above 0.
+  /// Frame k comes at (first + k) / rate. `rate` is in frames per second, above 0.
   static Arrivals constant(double rate, double first);
-  /// Independent of each other: gaps are exponential with mean 1 / rate. The same seed gives the same times.
+  /// Frames come independently of each other: the gaps between them are exponential with mean 1 / rate. Equal seeds
+  /// give equal times.
   static Arrivals poisson(double rate, std::uint64_t seed);
 
+  /// The time of the next frame, seconds from the beginning.
   double next();
 
  private:
@@ -21,8 +24,8 @@ class Arrivals {
       : rate_(rate), first_(first), random_(random), engine_(seed) {}
 
   double rate_, first_;
-  double count_ = 0;  // constant: how many there were
-  double time_ = 0;   // random: of the last one
+  double count_ = 0;  // constant arrivals so far
+  double time_ = 0;   // of the last random arrival
   bool random_;
   std::mt19937_64 engine_;
 };

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -14,37 +15,38 @@
 
 namespace segserve::bench {
 
-/// A way in which frames are sent.
+/// A way of sending frames.
 struct Encoding {
   std::string name;  ///< for people
-  /// Any codec, to be called by several threads at once.
+  /// Makes the payload of a cloud. Several threads call it at once.
   std::function<absl::StatusOr<client::Payload>(std::shared_ptr<const Cloud>)> encode;
-  v1::Compression of_answer = v1::COMPRESSION_NONE;  ///< what arrays of the results may have
+  v1::Compression answer_compression = v1::COMPRESSION_NONE;  ///< that arrays of results may have
 };
 
-/// How frames are made. Neither list may be empty.
+/// The frames of a load test. Neither list may be empty.
 struct FrameSource {
-  std::vector<std::shared_ptr<const Cloud>> clouds;  ///< sent in turn, again and again
-  std::vector<Encoding> encodings;                   ///< client i uses the one of i modulo their number
+  std::vector<std::shared_ptr<const Cloud>> clouds;  ///< sent in turn, over and over
+  std::vector<Encoding> encodings;                   ///< client i uses encodings[i % encodings.size()]
 };
 
 struct LoadOptions {
   client::ClientOptions client;
-  client::StreamOptions stream;  ///< of every client
+  client::StreamOptions stream;  ///< every client has such a stream
   std::size_t clients = 1;       ///< each with connections of its own
-  /// Frames per second of all clients together, sent at their time whatever became of those before (open loop);
-  /// 0: every client sends as soon as its window has room (closed loop, max_in_flight at a time).
+  /// Open loop: frames per second of all clients together, each sent at its time, whatever became of those before.
+  /// 0: closed loop, in which every client sends as soon as fewer than stream.max_in_flight frames have no outcome.
   double rate = 0;
-  bool poisson = false;  ///< open loop: random arrivals
-  std::uint64_t seed = 1;
+  bool poisson = false;                     ///< open loop: frames come at random times, see Arrivals::poisson
+  std::uint64_t seed = 1;                   ///< of the random times
   std::chrono::milliseconds warm_up{1000};  ///< not measured
   std::chrono::milliseconds duration{10'000};
   bool encoded_beforehand = false;  ///< frames are encoded once, not each time
   bool verify = false;              ///< compare every label array with a local run on the decoded payload
 };
 
-/// Runs the load and waits for the outcomes of all frames. Errors: a frame that cannot be encoded, wrong options; never
-/// those of frames, which are counted. `progress` is called now and then with the share of the time that is over.
+/// Runs the load and waits for the outcomes of all frames. Fails for a cloud that cannot be encoded and for wrong
+/// options. Errors of frames are counted instead. `progress` is called now and then with the share of the time that has
+/// passed, 0 to 1.
 absl::StatusOr<Report> run_load(const LoadOptions& options, const FrameSource& source,
                                 const std::function<void(double)>& progress);
 

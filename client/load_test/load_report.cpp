@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/load_test/load_report.hpp"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ double milliseconds(client::Clock::duration duration) {
   return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-/// "FAILED RESOURCE_EXHAUSTED QUEUE_FULL".
+/// For example "FAILED RESOURCE_EXHAUSTED QUEUE_FULL".
 std::string error_key(const client::Outcome& outcome) {
   if (outcome.kind != client::OutcomeKind::kFailed) return client::name(outcome.kind);
   const auto reason = wire::details_of(outcome.status).reason;

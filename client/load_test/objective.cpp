@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/load_test/objective.hpp"
 
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <utility>
+#include <vector>
 
 #include "client/load_test/load_report.hpp"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 
 namespace segserve::bench {
@@ -46,7 +48,8 @@ absl::Status wrong(std::string_view text, std::string_view why) {
   return absl::InvalidArgumentError(fmt::format("--objective {}: {}", text, why));
 }
 
-absl::StatusOr<double> factor(std::string_view text, Kind kind, std::string_view unit) {
+/// By what a bound in this unit is multiplied, to be in ms or percent.
+absl::StatusOr<double> unit_factor(std::string_view text, Kind kind, std::string_view unit) {
   switch (kind) {
     case Kind::kLatency:
       if (unit == "us") return 0.001;
@@ -60,14 +63,15 @@ absl::StatusOr<double> factor(std::string_view text, Kind kind, std::string_view
       if (unit.empty()) return 1.0;
       return wrong(text, fmt::format("a rate has no unit, not '{}'", unit));
   }
-  return wrong(text, "unknown");
+  return wrong(text, "the metric is unknown");
 }
 
 }  // namespace
 
 absl::StatusOr<Objective> parse_objective(std::string_view text) {
   const std::size_t at = text.find_first_of("<>");
-  if (at == std::string_view::npos) return wrong(text, "must be METRIC<NUMBER UNIT, e.g. p99<50ms; also <=, >, >=");
+  if (at == std::string_view::npos)
+    return wrong(text, "it must be METRIC<NUMBER UNIT, for example p99<50ms; <=, > and >= are allowed as well");
   const std::size_t length = at + 1 < text.size() && text[at + 1] == '=' ? 2 : 1;
   Objective objective{std::string(text), std::string(text.substr(0, at)), std::string(text.substr(at, length)), 0};
   const Metric* metric = find_metric(objective.metric);
@@ -81,17 +85,17 @@ absl::StatusOr<Objective> parse_objective(std::string_view text) {
   if (error != std::errc{} || !std::isfinite(objective.bound) || objective.bound < 0) {
     return wrong(text, fmt::format("'{}' does not begin with a number of at least 0", number));
   }
-  const auto unit = factor(text, metric->kind, number.substr(static_cast<std::size_t>(end - number.data())));
-  if (!unit.ok()) return unit.status();
-  objective.bound *= *unit;
+  const std::string_view unit = number.substr(static_cast<std::size_t>(end - number.data()));
+  ASSIGN_OR_RETURN(const double factor, unit_factor(text, metric->kind, unit));
+  objective.bound *= factor;
   return objective;
 }
 
 double value(const Objective& objective, const Report& report) { return find_metric(objective.metric)->value(report); }
 
 bool is_met(const Objective& objective, const Report& report) {
-  const bool of_latency = find_metric(objective.metric)->kind == Kind::kLatency;
-  if (of_latency && report.latency.count() == 0) return false;  // nothing was measured
+  const bool is_latency = find_metric(objective.metric)->kind == Kind::kLatency;
+  if (is_latency && report.latency.count() == 0) return false;  // nothing was measured
   const double reached = value(objective, report);
   if (objective.comparison == "<") return reached < objective.bound;
   if (objective.comparison == "<=") return reached <= objective.bound;

@@ -1,22 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "absl/status/statusor.h"
-#include "segserve/options.hpp"
 
 namespace segserve::bench {
 
 struct Report;
 
-/// What a run must reach, e.g. "p99<50ms":
+/// A bound that a run must keep, for example "p99<50ms":
 ///
 ///     objective = metric ("<" | "<=" | ">" | ">=") number [unit]
 ///
-/// Metrics: p50, p90, p99, p99.9, mean, max (latency; unit us, ms or s, required), fps (frames/s), mpoints
-/// (million points/s), errors (frames without a result; unit %, required).
+/// Latencies are p50, p90, p99, p99.9, mean and max; they need the unit us, ms or s. Rates are fps (frames per second)
+/// and mpoints (million points per second); they have no unit. Shares are errors (frames without a result) and
+/// least-share (Report::least_share_percent); they need the unit %.
 struct Objective {
   std::string text;
   std::string metric;
@@ -24,11 +24,12 @@ struct Objective {
   double bound = 0;  ///< ms for latencies, else as written
 };
 
-/// INVALID_ARGUMENT that says what is wrong and what is allowed.
+/// The objective that `text` stands for. INVALID_ARGUMENT that says what is wrong and what is allowed.
 absl::StatusOr<Objective> parse_objective(std::string_view text);
 
-/// The metric of a run, in the unit of Objective::bound.
+/// The value of the objective's metric in a run, in the unit of Objective::bound.
 double value(const Objective& objective, const Report& report);
+/// Whether the run keeps the bound. A bound of latency is not kept if no latency was measured.
 bool is_met(const Objective& objective, const Report& report);
 
 }  // namespace segserve::bench

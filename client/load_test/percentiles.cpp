@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/load_test/percentiles.hpp"
 
 #include <algorithm>
@@ -15,7 +16,7 @@ double Samples::max() const { return values_.empty() ? 0 : *std::ranges::max_ele
 
 double Samples::percentile(double percent) const {
   if (values_.empty()) return 0;
-  // 99.9 % of 1000 is 999, not 999.0000000000001.
+  // Rounding must not make 99.9 % of 1000 more than 999.
   const double exact = percent / 100 * static_cast<double>(values_.size());
   const auto rank = static_cast<std::size_t>(std::ceil(exact - 1e-9));
   std::vector<double> values = values_;

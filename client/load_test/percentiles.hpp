@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -5,7 +6,7 @@
 
 namespace segserve::bench {
 
-/// Measured values, all of them kept: 8 bytes a frame buy percentiles without bins.
+/// Measured values. All of them are kept, so that percentiles are exact.
 class Samples {
  public:
   void add(double value) { values_.push_back(value); }
@@ -13,8 +14,8 @@ class Samples {
 
   std::size_t count() const { return values_.size(); }
   double mean() const;  ///< 0 without values
-  double max() const;   ///< the same
-  /// The smallest value that at least `percent` (0 to 100) of all values do not exceed (nearest rank); 0 without
+  double max() const;   ///< 0 without values
+  /// The smallest value that at least `percent` (0 to 100) of all values do not exceed: the nearest rank. 0 without
   /// values.
   double percentile(double percent) const;
 

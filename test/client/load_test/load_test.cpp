@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // `segctl bench`'s load, in one process with the server.
 #include "client/load_test/load.hpp"
 
@@ -36,7 +37,7 @@ std::vector<Encoding> all_encodings() {
         {.name = std::string(info.name),
          .encode =
              [options](std::shared_ptr<const Cloud> cloud) { return client::cloud_payload(std::move(cloud), options); },
-         .of_answer = v1::COMPRESSION_ZSTD});
+         .answer_compression = v1::COMPRESSION_ZSTD});
   }
   return encodings;
 }
