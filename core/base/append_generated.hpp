@@ -8,7 +8,7 @@
 
 namespace segserve::math {
 
-/// function(i) for an index i, as an iterator: what std::vector needs to make its elements from, one by one.
+/// An iterator over function(i) for consecutive indices i, from which std::vector can make its elements one by one.
 template <typename Function>
 class GeneratingIterator {
  public:
@@ -35,8 +35,8 @@ class GeneratingIterator {
   std::size_t index_;
 };
 
-/// Appends function(first), .., function(last - 1). Each is written once; resize would write zeros before, which at 1.2
-/// MB a plane costs 0.15 ms.
+/// Appends function(i) for the indices i in [first, last). Each value is written once, whereas `resize` would write
+/// zeros before.
 template <typename T, typename Function>
 void append_generated(std::vector<T>& values, std::size_t first, std::size_t last, const Function& function) {
   using Iterator = GeneratingIterator<Function>;

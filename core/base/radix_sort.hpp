@@ -15,8 +15,8 @@
 
 namespace segserve::math {
 
-/// Sorts words by their bits from `low` up to and without `high`; equal ones stay in order. A radix sort; `buffer`
-/// becomes as large. If `check` stops it the order is useless.
+/// Sorts words by their bits [low, high) with a radix sort; words with equal bits stay in order. `buffer` becomes as
+/// large as `words`. The order is unspecified if `check` stopped it.
 inline void sort_words(std::vector<std::uint64_t>& words, std::vector<std::uint64_t>& buffer, int low, int high,
                        StopCheck& check) {
   constexpr int kMostBits = 12;
@@ -38,17 +38,18 @@ inline void sort_words(std::vector<std::uint64_t>& words, std::vector<std::uint6
   }
 }
 
-/// Buffers of a sort that are worth keeping between calls.
+/// Buffers of a sort, to be kept between calls.
 struct SortScratch {
   std::vector<std::uint64_t> words, buffer;
 };
 
-/// Bits that an index below `count` takes.
+/// The number of bits that an index below `count` takes.
 inline int index_bits(std::size_t count) { return static_cast<int>(std::bit_width(count)); }
 
-/// The order (indices into `keys`) that sorts the keys ascending, equal keys in input order. If `check` stops it the
-/// order is useless. As many bits of the keys as there is room for share words with the indices, so that the sort reads
-/// memory from front to back; all of them, mostly, or else the sort comes back for the rest.
+/// Sets `order` to the indices into `keys` that sort the keys in ascending order, equal keys in input order. The order
+/// is unspecified if `check` stopped it. Each word to sort holds an index and as many bits of its key as there is room
+/// for, so that the sort reads memory from front to back. Mostly all bits fit, or else the sort is repeated for the
+/// rest.
 inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order, SortScratch& scratch,
                        StopCheck& check) {
   order.resize(keys.size());
@@ -71,11 +72,13 @@ inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uin
   }
 }
 
+/// The same without buffers to keep.
 inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order, StopCheck& check) {
   SortScratch scratch;
   sort_order(keys, order, scratch, check);
 }
 
+/// The same without a stop token.
 inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order) {
   const StopToken never;
   StopCheck check(never);

@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
-// Hands errors on to the caller. For private sources only: users of segserve never see these names.
+// Macros that return errors to the caller. Only private sources include them, so that users never see their names.
 
 /// Leaves the function with the status of `expression` unless that is OK.
 #define RETURN_IF_ERROR(expression)                                                        \

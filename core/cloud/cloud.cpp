@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/cloud.hpp"
 
 #include "fmt/format.h"

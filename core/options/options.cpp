@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/options.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace segserve {
 namespace {
 
-/// What a method takes unless the caller says otherwise.
+/// The defaults of a method.
 struct MethodInfo {
   Method method;
   std::string_view name;
@@ -49,7 +50,7 @@ constexpr OptionInfo number(std::string_view name, std::string_view unit, std::s
           [](Options& o, double value) { o.*member = value; }};
 }
 
-/// An option that is a whole number, or an optional one.
+/// An option that is a whole number or an optional whole number.
 template <auto member>
 constexpr OptionInfo whole(std::string_view name, std::string_view description, double minimum, double maximum) {
   return {name,
@@ -72,15 +73,15 @@ constexpr std::array kTable = {
                                        0.001, 1),
     number<&Options::seed_resolution>(
         "seed_resolution", "m", "distance between the seeds of supervoxels; not below voxel_resolution", 0.002, 10),
-    number<&Options::color_weight>("color_weight", "", "weight of colour in the supervoxel distance", 0, 100),
+    number<&Options::color_weight>("color_weight", "", "weight of color in the supervoxel distance", 0, 100),
     number<&Options::spatial_weight>("spatial_weight", "", "weight of position in the supervoxel distance", 0, 100),
     number<&Options::normal_weight>("normal_weight", "", "weight of the normals in the supervoxel distance", 0, 100),
-    number<&Options::lambda>("lambda", "", "weight of colour against geometry, for fixed-lambda", 0, 1),
+    number<&Options::lambda>("lambda", "", "weight of color against geometry, for fixed-lambda", 0, 1),
     number<&Options::threshold>("threshold", "", "cut the merge tree where the dissimilarity reaches this", 0, 1),
     whole<&Options::regions>("regions", "cut the merge tree at this number of regions instead of a threshold", 1,
                              2147483647),
     whole<&Options::min_segment_points>(
-        "min_segment_points", "segments of fewer points join the neighbour they are least unlike", 0, 2147483647),
+        "min_segment_points", "segments of fewer points join the neighbor they are least unlike", 0, 2147483647),
     number<&Options::crop_min_x>("crop_min_x", "m", "leave out points with a smaller x", -kFarthest, kFarthest),
     number<&Options::crop_max_x>("crop_max_x", "m", "leave out points with a greater x", -kFarthest, kFarthest),
     number<&Options::crop_min_y>("crop_min_y", "m", "leave out points with a smaller y", -kFarthest, kFarthest),
@@ -96,7 +97,7 @@ constexpr std::array kTable = {
     whole<&Options::threads>("threads", "threads within one call; the result does not depend on it", 1, 64),
 };
 
-/// A maximum that is not above its minimum, if both are given.
+/// Adds a fault if the maximum is not above the minimum; either may be unset.
 void check_interval(std::string_view minimum_name, const std::optional<double>& minimum, std::string_view maximum_name,
                     const std::optional<double>& maximum, std::vector<FieldViolation>& faults) {
   if (!minimum || !maximum || *minimum < *maximum) return;
@@ -158,7 +159,7 @@ std::optional<double> default_value(const OptionInfo& option, Method method) {
 }
 
 std::optional<FieldViolation> violation(const OptionInfo& option, double value) {
-  const bool in_range = value >= option.minimum && value <= option.maximum;  // a NaN is in no range
+  const bool in_range = value >= option.minimum && value <= option.maximum;  // NaN is in no range.
   if (in_range && (!option.whole || value == static_cast<double>(static_cast<std::int64_t>(value))))
     return std::nullopt;
   return FieldViolation{std::string(option.name),

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -19,18 +20,18 @@ namespace segserve {
 
 /// Wall time of each stage, milliseconds.
 struct StageTimings {
-  double voxels = 0;       ///< voxelisation of the points
-  double normals = 0;      ///< voxel adjacency, the support plane, normals
+  double voxels = 0;       ///< voxelization of the points
+  double normals = 0;      ///< voxel adjacency, removal of the support plane, normals
   double supervoxels = 0;  ///< seeds and growth (VCCS)
   double graph = 0;        ///< region features, region adjacency graph
   double merging = 0;      ///< weights and the merge tree
-  double labels = 0;       ///< cut, labels of the input points
-  double segments = 0;     ///< statistics of the segments, if asked for: see describe
+  double labels = 0;       ///< cut of the merge tree, labels of the points
+  double segments = 0;     ///< statistics of the segments, by `describe`
   double total = 0;
 };
 
-/// A segmented cloud of N points and m supervoxels. Points that are not finite, left out by the crop box or the
-/// range, or removed with the support plane are not segmented.
+/// A segmented cloud of N points and m supervoxels. A point is not segmented if it is not finite, if the crop box or the
+/// range leaves it out, or if it is removed with the support plane.
 struct Segmentation {
   std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not segmented, 1..segments by descending size
   std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
@@ -48,8 +49,16 @@ struct Segmentation {
   StageTimings timings;
 };
 
-/// Segments clouds one after the other and keeps its buffers between calls. One thread at a time
-/// may use an object; the result is a pure function of cloud and options.
+/// Segments clouds one after the other. It keeps its buffers and threads between calls, so that a frame takes less time
+/// than with `segment` below. One thread at a time may use an object. The result depends on nothing but the cloud and the
+/// options, whatever was segmented before.
+///
+///     Segmenter segmenter;
+///     for (const Cloud& cloud : frames) {
+///       absl::StatusOr<Segmentation> result = segmenter.segment(cloud, {.threads = 2});
+///       if (!result.ok()) return result.status();
+///       use(result->labels);
+///     }
 class Segmenter {
  public:
   Segmenter();
@@ -57,9 +66,11 @@ class Segmenter {
   Segmenter(Segmenter&&) noexcept;
   Segmenter& operator=(Segmenter&&) noexcept;
 
-  /// Errors: INVALID_ARGUMENT (options; shape; a CAMERA point with z <= 0; a coordinate beyond the
-  /// grid), CANCELLED, DEADLINE_EXCEEDED. A cloud without any point to segment is no error: all labels
-  /// are 0 and the tree is empty.
+  /// Segments a cloud. A cloud without any point to segment is no error: all labels are 0 and the tree is empty.
+  /// INVALID_ARGUMENT if the options are not valid (`check`), the cloud has the wrong shape (`check_shape`), or a point to
+  /// segment has z <= 0 in a CAMERA view or lies beyond the grid, which reaches about 2^18 voxels from the origin.
+  /// CANCELLED and DEADLINE_EXCEEDED as `stop` says. An exception of a WorkMeter's callback, or std::bad_alloc, leaves the
+  /// object in a state in which it can segment other clouds.
   absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
  private:
@@ -67,11 +78,12 @@ class Segmenter {
   std::unique_ptr<Workspace> workspace_;
 };
 
-/// The same for a single cloud.
+/// Segments a single cloud; see Segmenter::segment.
 absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
-/// Sets the statistics of a segmentation of this cloud, and the time that took. They have normals if it has those of
-/// its supervoxels. Errors: see describe_segments.
+/// Sets the statistics of a segmentation of this cloud, and the time that this took. They have normals if the
+/// segmentation has those of its supervoxels. The segmentation does not change unless OK is returned. Errors are those of
+/// describe_segments.
 absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation);
 
 }  // namespace segserve

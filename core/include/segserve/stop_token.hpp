@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <atomic>
@@ -11,12 +12,12 @@
 
 namespace segserve {
 
-/// Counts the work of a segmentation. One unit: one point, voxel, supervoxel or edge visited by one stage (a neighbour
-/// that is looked at counts as an edge). Memory that is allocated, filled with one value or copied as it is does not
-/// count.
+/// Counts the work of a segmentation. One unit of work is one point, voxel, supervoxel or edge that one stage visits; a
+/// neighbor that is looked at counts as an edge. Memory that is allocated, filled with one value or copied as it is
+/// does not count.
 class WorkMeter {
  public:
-  /// `on_report` is called, on the thread that works, with the units counted so far.
+  /// `on_report` is called with the units counted so far, on the threads that work.
   explicit WorkMeter(std::function<void(std::uint64_t units)> on_report = nullptr) : on_report_(std::move(on_report)) {}
 
   void report(std::uint64_t units) {
@@ -30,13 +31,14 @@ class WorkMeter {
   std::atomic<std::uint64_t> units_{0};
 };
 
-/// Asks a running segmentation to end early. The caller owns flag and meter; all parts are optional. Once it says
-/// stop it never goes back: the flag stays set, and so a stage that was left early is known by `check` after it.
+/// Asks a running segmentation to end early. The caller owns the flag and the meter, which must outlive the
+/// segmentation; each of flag, deadline and meter is optional. The flag must stay set once it is set, because the
+/// stages rely on a token that never takes a stop back.
 class StopToken {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Units of work (see WorkMeter) that all threads of a segmentation together may still do after it was asked to stop.
+  /// The units of work (WorkMeter) that all threads of a segmentation together do at most after it was asked to stop.
   static constexpr std::uint64_t kMostWorkAfterStop = 100'000;
 
   StopToken() = default;
@@ -44,8 +46,9 @@ class StopToken {
                      WorkMeter* meter = nullptr)
       : cancelled_(cancelled), deadline_(deadline), meter_(meter) {}
 
-  /// CANCELLED, DEADLINE_EXCEEDED or OK. Called between stages and, by StopCheck, inside all of them.
+  /// CANCELLED if the flag is set, DEADLINE_EXCEEDED if the deadline has passed, otherwise OK.
   absl::Status check() const;
+  /// Whether `check` does not return OK.
   bool stopped() const;
 
  private:

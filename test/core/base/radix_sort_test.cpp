@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/base/radix_sort.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@
 namespace segserve::math {
 namespace {
 
-TEST(SortOrder, EqualsAStableSort) {
+TEST(SortOrder, IsThatOfAStableSort) {
   std::mt19937_64 random(3);
   for (const std::uint64_t mask : {~0ULL, 0xffULL, 0xf000000000ffULL, 0ULL}) {
     std::vector<std::uint64_t> keys(1000);
@@ -22,7 +23,7 @@ TEST(SortOrder, EqualsAStableSort) {
   }
 }
 
-TEST(SortOrder, OfNothingIsNothing) {
+TEST(SortOrder, IsEmptyWithoutKeys) {
   std::vector<std::uint32_t> order{1, 2};
   sort_order({}, order);
   EXPECT_TRUE(order.empty());

@@ -37,7 +37,7 @@ Normals normals_of(const Cloud& cloud, std::uint32_t threads = 1) {
 
 /// Top (z = 0.3) and right side (x = 0.3) of a box, seen from outside. The noise is in meters.
 Cloud box_edge(double noise) {
-  Cloud cloud = test::unorganised(View::world(3, 0.15F, 3));
+  Cloud cloud = test::unorganized(View::world(3, 0.15F, 3));
   std::mt19937 random(1);
   const auto jitter = [&] { return static_cast<float>(noise * (static_cast<double>(random() % 2001) / 1000 - 1)); };
   for (float u = 0.0013F; u < 0.3F; u += 0.004F) {
@@ -79,7 +79,7 @@ TEST(EdgeAwareNormals, FaceTheSensorAtFirst) {
 }
 
 TEST(EdgeAwareNormals, AgreeOnASideWithoutASensor) {
-  Cloud plane = test::unorganised(View::world());
+  Cloud plane = test::unorganized(View::world());
   for (float x = 0.0013F; x < 0.2F; x += 0.004F) {
     for (float y = 0.0013F; y < 0.2F; y += 0.004F) test::add(plane, x, y, 0.3F * x, 0);
   }
@@ -99,7 +99,7 @@ TEST(EdgeAwareNormals, StayOnTheirSideAndOfUnitLength) {
 }
 
 TEST(EdgeAwareNormals, LeaveWhatHasNoNormalOrNoSupport) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add(cloud, 5, 5, 5, 0);
   for (int i = 0; i < 3; ++i) test::add(cloud, 0.01F * static_cast<float>(i), 0.012F * static_cast<float>(i % 2), 0, 0);
   const Normals n = normals_of(cloud);

@@ -39,7 +39,7 @@ Oriented oriented(const Cloud& cloud) {
 
 /// A board of 0.4 m x 0.4 m x 0.1 m with all its faces, seen from above.
 Cloud board() {
-  Cloud cloud = test::unorganised(View::world(0.2F, 0.2F, 2));
+  Cloud cloud = test::unorganized(View::world(0.2F, 0.2F, 2));
   for (float u = 0.0013F; u < 0.4F; u += 0.004F) {
     for (float v = 0.0013F; v < 0.4F; v += 0.004F) {
       test::add(cloud, u, v, 0, 0);
@@ -73,7 +73,7 @@ TEST(OrientHiddenNormals, TurnsTheUndersideOfABoardDown) {
 }
 
 TEST(OrientHiddenNormals, LeavesHiddenComponentsFacingTheSensor) {
-  Cloud cloud = test::unorganised(View::world(0.2F, 0.2F, 2));
+  Cloud cloud = test::unorganized(View::world(0.2F, 0.2F, 2));
   test::add_patch(cloud, 0, 0, 0.5F, 0.4F, 0.004F, 0);
   test::add_patch(cloud, 0.1F, 0.1F, 0.005F, 0.2F, 0.004F, 0);  // in the shadow of the first
   const Oriented o = oriented(cloud);
@@ -112,7 +112,7 @@ Visibility visibility(const Cloud& cloud) {
 }
 
 TEST(VisibleVoxels, AWallHidesWhatIsBehindItAndNothingElse) {
-  Cloud cloud = test::unorganised(View::world(0, 0, 0));
+  Cloud cloud = test::unorganized(View::world(0, 0, 0));
   test::add_patch(cloud, -0.2F, -0.2F, 1, 0.4F, 0.004F, 0);
   test::add_patch(cloud, -1, -1, 2, 2, 0.008F, 0);
   const auto [grid, visible] = visibility(cloud);
@@ -131,7 +131,7 @@ TEST(VisibleVoxels, AWallHidesWhatIsBehindItAndNothingElse) {
 }
 
 TEST(VisibleVoxels, ASlopeDoesNotHideItself) {
-  Cloud cloud = test::unorganised(View::world(0, 0, 0));
+  Cloud cloud = test::unorganized(View::world(0, 0, 0));
   for (float u = -1; u < 1; u += 0.005F) {
     for (float y = -0.5F; y < 0.5F; y += 0.005F) test::add(cloud, u, y, 2 + 0.8F * u, 0);
   }
@@ -140,7 +140,7 @@ TEST(VisibleVoxels, ASlopeDoesNotHideItself) {
 }
 
 TEST(VisibleVoxels, AVoxelAtTheSensorIsVisible) {
-  Cloud cloud = test::unorganised(View::world(0, 0, 0));
+  Cloud cloud = test::unorganized(View::world(0, 0, 0));
   test::add(cloud, 0, 0, 0, 0);
   EXPECT_EQ(visibility(cloud).visible, std::vector<bool>{true});
 }

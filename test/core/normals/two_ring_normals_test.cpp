@@ -86,7 +86,7 @@ TEST(TwoRingNormals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
 }
 
 TEST(TwoRingNormals, AreUndefinedOnlyWhereNoPlaneIs) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add(cloud, 5, 5, 5, 0);                                                                              // alone
   for (int i = 0; i < 30; ++i) test::add(cloud, 0.01F * static_cast<float>(i) + 0.005F, 0.005F, 0.005F, 0);  // a line
   test::add_patch(cloud, 1, 1, 0.005F, 0.2F, 0.005F, 0);
@@ -102,7 +102,7 @@ TEST(TwoRingNormals, AreUndefinedOnlyWhereNoPlaneIs) {
 
 TEST(TwoRingNormals, AreConsistentWithoutASensor) {
   // This is the part of a sphere from below the equator up. Most of it faces up, so all normals must point outwards.
-  Cloud cloud = test::unorganised(View::world());
+  Cloud cloud = test::unorganized(View::world());
   for (double theta = 0; theta < 1.9; theta += 0.01) {
     for (double phi = 0; phi < 6.28; phi += 0.01 / std::max(0.05, std::sin(theta))) {
       test::add(cloud, static_cast<float>(0.3 * std::sin(theta) * std::cos(phi)),

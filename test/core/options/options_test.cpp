@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/options.hpp"
 
 #include <gmock/gmock.h>
@@ -35,7 +36,7 @@ TEST(Options, TableHoldsDefaultsInRangeForEveryMethod) {
   }
 }
 
-TEST(Options, AreOnByDefaultUnlessTheyLeaveSomethingOut) {
+TEST(Options, AreOnByDefaultUnlessTheyLeavePointsOut) {
   std::vector<std::string_view> off;
   for (const OptionInfo& option : option_table()) {
     if (!default_value(option, Method::kBorder)) off.push_back(option.name);
@@ -66,13 +67,13 @@ TEST(Options, AreResolvedByTheMethodWhereUnset) {
   EXPECT_EQ(resolved(border), border);
 }
 
-TEST(Options, WholeNumbersAreAskedForWhereTheyAreNeeded) {
+TEST(Options, MustBeWholeWhereTheTableSaysSo) {
   const auto* threads = std::ranges::find(option_table(), "threads", &OptionInfo::name).base();
   EXPECT_EQ(violation(*threads, 2), std::nullopt);
   EXPECT_THAT(violation(*threads, 2.5)->description, HasSubstr("2.5 is not a whole number in [1, 64]"));
 }
 
-TEST(Options, EveryFaultIsNamedAtOnce) {
+TEST(Options, AllFaultsAreReportedTogether) {
   Options options;
   options.voxel_resolution = -1;
   options.seed_resolution = std::numeric_limits<double>::quiet_NaN();
@@ -94,7 +95,7 @@ TEST(Options, EveryFaultIsNamedAtOnce) {
   EXPECT_THAT(std::string(status.message()), HasSubstr("threshold: -1 is not in [0, 1]"));
 }
 
-TEST(Options, ANotANumberThresholdIsNoThreshold) {
+TEST(Options, AThresholdIsANumber) {
   Options options;
   options.threshold = std::nan("");
   EXPECT_THAT(std::string(check(options).message()), HasSubstr("threshold: nan is not in [0, 1]"));
@@ -122,7 +123,7 @@ TEST(Options, AMaximumIsAboveItsMinimum) {
                                                FieldViolation{"range_max", "2 m is not above range_min, 3 m"}));
 }
 
-TEST(Options, LeavingPointsOutNeedsNumbersInRange) {
+TEST(Options, ThatLeavePointsOutAreNumbersInRange) {
   const Options options{.crop_min_x = std::nan(""), .crop_max_z = 1e9, .range_min = -1, .support_plane_distance = 0};
   EXPECT_THAT(
       violations(options),
@@ -130,7 +131,7 @@ TEST(Options, LeavingPointsOutNeedsNumbersInRange) {
                   Field(&FieldViolation::field, "range_min"), Field(&FieldViolation::field, "support_plane_distance")));
 }
 
-TEST(Options, ARangeNeedsAKnownSensor) {
+TEST(Options, ThatLimitTheRangeNeedAKnownSensor) {
   const Options options{.range_min = 1, .range_max = 2};
   EXPECT_TRUE(check(options, View::camera()).ok());
   EXPECT_TRUE(check(options, View::world(0, 0, 1)).ok());

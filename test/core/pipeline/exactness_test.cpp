@@ -1,4 +1,5 @@
-// What must be exact: ALGORITHM.md, "Exactness to test".
+// SPDX-License-Identifier: Apache-2.0
+// Properties that hold exactly, for every method (docs/decisions/0002-exactness.md).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,8 +51,9 @@ TEST_P(Exactness, EveryFinitePointHasOneLabelAndNoOtherHasAny) {
     ASSERT_LE(s.labels[i], s.segments);
     ++size[s.labels[i]];
   }
-  EXPECT_TRUE(std::is_sorted(size.begin() + 1, size.end(), std::greater<>())) << "numbered by descending size";
-  EXPECT_GT(size.back(), 0U) << "without gaps";
+  EXPECT_TRUE(std::is_sorted(size.begin() + 1, size.end(), std::greater<>()))
+      << "segments are numbered by descending size";
+  EXPECT_GT(size.back(), 0U) << "the numbers have no gaps";
   EXPECT_GT(s.segments, 2U);
 }
 
@@ -64,14 +66,14 @@ TEST_P(Exactness, ThreadsChangeNothing) {
   }
 }
 
-TEST_P(Exactness, TheSameInputGivesTheSameBytesAgainAndAgain) {
+TEST_P(Exactness, AnotherFrameInBetweenChangesNothing) {
   Segmenter segmenter;
   const Segmentation first = *segmenter.segment(tabletop(), with(GetParam()));
   ASSERT_TRUE(segmenter.segment(test::random_cloud(3000, 1, 2, View::camera()), with(GetParam())).ok());
   expect_same(first, *segmenter.segment(tabletop(), with(GetParam())));
 }
 
-/// A wavy floor of one point in each of so many voxels a side, of 1 cm.
+/// A floor in waves, of side x side voxels of 1 cm with one point in each.
 Cloud floor_of_voxels(std::uint32_t side) {
   constexpr float kEdge = 0.01F;
   Cloud cloud;
@@ -87,8 +89,8 @@ Cloud floor_of_voxels(std::uint32_t side) {
   return cloud;
 }
 
-TEST_P(Exactness, BuffersThatWereGivenBackAreMissedByNobody) {
-  constexpr std::uint32_t kSide = 505;  // more voxels than a segmenter keeps buffers for
+TEST_P(Exactness, ReleasingTheBuffersOfALargeFrameChangesNothing) {
+  constexpr std::uint32_t kSide = 505;  // These are more voxels than a segmenter keeps buffers for.
   Options options = with(GetParam());
   options.voxel_resolution = 0.01;
   options.seed_resolution = 0.4;
@@ -100,7 +102,7 @@ TEST_P(Exactness, BuffersThatWereGivenBackAreMissedByNobody) {
   expect_same(first, *segmenter.segment(large, options));
 }
 
-TEST_P(Exactness, PermutingThePointsPermutesTheLabelsAndChangesNothingElse) {
+TEST_P(Exactness, PermutingThePointsOnlyPermutesTheLabels) {
   const Segmentation s = *segment(tabletop(), with(GetParam()));
   std::vector<std::uint32_t> order(tabletop().size());
   std::iota(order.begin(), order.end(), 0U);
@@ -144,7 +146,7 @@ INSTANTIATE_TEST_SUITE_P(AllMethods, Exactness, testing::ValuesIn(all_methods().
                            return name;
                          });
 
-TEST(Exactness, ANumberOfPointsThatAreNotFiniteChangesNothing) {
+TEST(Exactness, PointsThatAreNotFiniteChangeNothing) {
   Cloud sparse = test::random_cloud(4000, 0.5F, 1, View::camera());
   const Segmentation before = *segment(sparse, {});
   for (int i = 0; i < 100; ++i) test::add(sparse, std::numeric_limits<float>::quiet_NaN(), 1, 1, 0xffffff);

@@ -1,5 +1,6 @@
-// Checksums of whole results. They must be the same on every CPU (test/cpus runs this on others) and
-// must change only on purpose: say so in the commit and in the CHANGELOG.
+// SPDX-License-Identifier: Apache-2.0
+// Checksums of whole results. They must be the same on every CPU (test/cpus runs this test on others). They may change
+// only on purpose; then the commit and the CHANGELOG say so.
 #include <gtest/gtest.h>
 
 #include <bit>
@@ -10,7 +11,7 @@
 namespace segserve {
 namespace {
 
-/// FNV-1a over little-endian bytes.
+/// The FNV-1a hash of little-endian bytes.
 class Checksum {
  public:
   void add(std::uint64_t value, int bytes) {

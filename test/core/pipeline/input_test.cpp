@@ -1,4 +1,5 @@
-// Bad input is refused by name; odd input gives a sensible result.
+// SPDX-License-Identifier: Apache-2.0
+// Bad input is refused with a message that names the fault; odd input gives a sensible result.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,7 +64,7 @@ TEST(BadInput, CoordinatesBeyondTheGrid) {
 }
 
 TEST(OddInput, WithoutAnyFinitePointAllLabelsAreZero) {
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   for (int i = 0; i < 9; ++i) test::add(cloud, kNan, kNan, kNan, 0);
   for (const bool by_regions : {false, true}) {
     Options options;
@@ -77,7 +78,7 @@ TEST(OddInput, WithoutAnyFinitePointAllLabelsAreZero) {
 }
 
 TEST(OddInput, OnePointIsOneSegment) {
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   test::add(cloud, 0, 0, 1, 0xff0000);
   const Segmentation s = *segment(cloud, {});
   EXPECT_EQ(s.labels, std::vector<std::uint32_t>{1});
@@ -86,14 +87,14 @@ TEST(OddInput, OnePointIsOneSegment) {
 }
 
 TEST(OddInput, EqualPointsAreOneSegment) {
-  Cloud cloud = test::unorganised(View::world());
+  Cloud cloud = test::unorganized(View::world());
   for (int i = 0; i < 1000; ++i) test::add(cloud, 1, 2, 3, 0xffffff);
   const Segmentation s = *segment(cloud, {});
   EXPECT_THAT(s.labels, Each(1U));
   EXPECT_EQ(s.tree.leaf_points, std::vector<std::uint32_t>{1000});
 }
 
-/// Every finite point is labelled, and all weights and heights are numbers in [0, 1].
+/// Segments the cloud, and expects that every point has a label and that the tree is valid.
 Segmentation sensible(const CloudView& cloud, Method method) {
   Options options;
   options.method = method;
@@ -105,10 +106,10 @@ Segmentation sensible(const CloudView& cloud, Method method) {
 
 TEST(OddInput, AFlatCloudOfOneColorIsOneSegment) {
   for (const View& view : {View::world(), View::world(0, 0, 1), View::camera()}) {
-    Cloud cloud = test::unorganised(view);
+    Cloud cloud = test::unorganized(view);
     test::add_patch(cloud, -0.3F, -0.3F, 1, 0.6F, 0.005F, 0x808080);
     for (const Method method : all_methods()) {
-      if (method == Method::kEqualization || method == Method::kEqualizationConvex) continue;  // ranks, not sizes
+      if (method == Method::kEqualization || method == Method::kEqualizationConvex) continue;  // They rank weights.
       EXPECT_EQ(sensible(cloud, method).segments, 1U) << name(method);
     }
     sensible(cloud, Method::kEqualization);
@@ -117,7 +118,7 @@ TEST(OddInput, AFlatCloudOfOneColorIsOneSegment) {
 }
 
 TEST(OddInput, AHundredComponentsAreAHundredSegments) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   for (int i = 0; i < 10; ++i) {
     for (int j = 0; j < 10; ++j) {
       test::add_patch(cloud, 0.5F * static_cast<float>(i), 0.5F * static_cast<float>(j), 0, 0.1F, 0.005F, 0x336699);
@@ -129,7 +130,7 @@ TEST(OddInput, AHundredComponentsAreAHundredSegments) {
 }
 
 TEST(OddInput, ACloudWithoutColorIsSegmentedByItsGeometry) {
-  Cloud cloud = test::unorganised(View::world(1, 1, 3));
+  Cloud cloud = test::unorganized(View::world(1, 1, 3));
   test::add_patch(cloud, 0, 0, 0, 0.5F, 0.005F, 0);
   test::add_patch(cloud, 2, 2, 1, 0.5F, 0.005F, 0);
   cloud.rgb.clear();
@@ -138,8 +139,8 @@ TEST(OddInput, ACloudWithoutColorIsSegmentedByItsGeometry) {
 }
 
 TEST(OddInput, WithoutColorAdaptiveLambdaFallsBackToGeometry) {
-  Cloud cloud = test::unorganised(View::world(1, -3, 3));
-  test::add_patch(cloud, 0, 0, 0, 0.5F, 0.005F, 0);  // a floor, and a wall at its end
+  Cloud cloud = test::unorganized(View::world(1, -3, 3));
+  test::add_patch(cloud, 0, 0, 0, 0.5F, 0.005F, 0);  // a floor; the wall at its end follows
   for (float x = 0; x < 0.5F; x += 0.005F) {
     for (float z = 0; z < 0.5F; z += 0.005F) test::add(cloud, x, 0.5F, z, 0);
   }
@@ -152,7 +153,7 @@ TEST(OddInput, WithoutColorAdaptiveLambdaFallsBackToGeometry) {
 }
 
 TEST(OddInput, ColorSegmentsWhatGeometryCannot) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0, 0, 0, 0.4F, 0.005F, 0xff0000);
   test::add_patch(cloud, 0.4F, 0, 0, 0.4F, 0.005F, 0x0000ff);
   const Segmentation s = sensible(cloud, Method::kColor);
@@ -162,10 +163,10 @@ TEST(OddInput, ColorSegmentsWhatGeometryCannot) {
 }
 
 TEST(MinSegmentPoints, LeavesNoSmallerSegmentThatTouchesAnother) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0, 0, 0, 0.4F, 0.005F, 0xff0000);
-  test::add_patch(cloud, 0.4F, 0, 0, 0.1F, 0.005F, 0x0000ff);  // 400 points beside it, of another colour
-  test::add_patch(cloud, 2, 2, 0, 0.1F, 0.005F, 0x00ff00);     // 400 points that touch nothing
+  test::add_patch(cloud, 0.4F, 0, 0, 0.1F, 0.005F, 0x0000ff);  // 400 points beside the first, in another color
+  test::add_patch(cloud, 2, 2, 0, 0.1F, 0.005F, 0x00ff00);     // 400 points that touch no other
   Options options;
   options.method = Method::kColor;
   EXPECT_EQ(segment(cloud, options)->segments, 3U);

@@ -1,5 +1,6 @@
-// Cuts nest only if heights never fall, and the border method promises more: weights never fall on the way from a
-// supervoxel to the root. On every scene of OSD's learn set, if it is there, and on synthetic ones.
+// SPDX-License-Identifier: Apache-2.0
+// Cuts nest only if heights never fall. The border method promises more: weights never fall on the way from a
+// supervoxel to the root. The tests run on every scene of OSD's learn set, if it is there, and on synthetic scenes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 namespace segserve {
 namespace {
 
-/// Sums of evidence are rounded.
+/// How much weights may fall, because sums of evidence are rounded.
 constexpr double kRounding = 1e-12;
 
 void expect_monotone(const CloudView& cloud, Method method) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <atomic>
 #include <random>
 #include <string>
@@ -10,7 +11,7 @@
 namespace segserve {
 namespace {
 
-/// A wavy coloured surface with steps, organised and seen from the camera.
+/// An organized cloud: a wavy colored surface with steps, seen from the camera.
 Cloud camera_image(std::uint32_t width, std::uint32_t height) {
   Cloud cloud;
   cloud.view = View::camera();
@@ -31,8 +32,8 @@ Cloud camera_image(std::uint32_t width, std::uint32_t height) {
   return cloud;
 }
 
-/// The same points without their grid, in any order.
-Cloud unorganised(const Cloud& image, View view) {
+/// The same points without rows, in random order.
+Cloud shuffled(const Cloud& image, View view) {
   std::vector<std::uint32_t> order(image.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
   std::shuffle(order.begin(), order.end(), std::mt19937(5));
@@ -47,7 +48,8 @@ struct Run {
   std::uint64_t units_after_stop = 0;
 };
 
-/// Segments, and asks it to stop at the n-th look, just after that one: the worst moment. 0: never.
+/// Segments the cloud, and asks for a stop just after the n-th look at the token, which is the worst moment. With n = 0
+/// it does not ask for a stop.
 Run run(const Cloud& cloud, const Options& options, std::uint64_t n) {
   std::atomic<bool> cancelled = false;
   std::atomic<std::uint64_t> looks = 0, units_at_stop = 0;
@@ -67,7 +69,7 @@ void expect_stops_soon(const Cloud& cloud, const Options& options, std::uint64_t
       << what << ": every point becomes part of a voxel, a supervoxel and a segment";
   ASSERT_GT(whole.looks, moments) << what;
   for (std::uint64_t i = 0; i < moments; ++i) {
-    // The last looks tell of the ends of stages; the segmentation may be complete by then.
+    // The very last looks are left out, because the segmentation may be complete by then.
     const std::uint64_t n = 1 + i * (whole.looks - 1) / moments;
     const Run stopped = run(cloud, options, n);
     EXPECT_EQ(stopped.status.code(), absl::StatusCode::kCancelled) << what << ", look " << n << " of " << whole.looks;
@@ -78,9 +80,9 @@ void expect_stops_soon(const Cloud& cloud, const Options& options, std::uint64_t
 
 TEST(WorkAfterStop, IsBoundedForEveryMethodViewAndNumberOfThreads) {
   const Cloud image = camera_image(240, 160);
-  const std::pair<std::string, Cloud> clouds[] = {{"organised", image},
-                                                  {"unorganised", unorganised(image, View::world(0, 0, 0))},
-                                                  {"without sensor", unorganised(image, View::world())}};
+  const std::pair<std::string, Cloud> clouds[] = {{"organized", image},
+                                                  {"unorganized", shuffled(image, View::world(0, 0, 0))},
+                                                  {"without sensor", shuffled(image, View::world())}};
   for (const auto& [kind, cloud] : clouds) {
     for (const Method method : all_methods()) {
       for (const std::uint32_t threads : {1U, 2U}) {
@@ -120,7 +122,7 @@ TEST(WorkAfterStop, IsBoundedForTwoMillionPoints) {
   expect_stops_soon(camera_image(2000, 1000), {.threads = 2}, 6, "2 million points");
 }
 
-TEST(WorkAfterStop, ADeadlineThatPassesStopsTheWorkAsWell) {
+TEST(WorkAfterStop, IsBoundedAfterTheDeadlineAsWell) {
   const Cloud cloud = camera_image(320, 240);
   WorkMeter meter;
   const StopToken late(nullptr, StopToken::Clock::now() - std::chrono::seconds(1), &meter);
@@ -128,7 +130,7 @@ TEST(WorkAfterStop, ADeadlineThatPassesStopsTheWorkAsWell) {
   EXPECT_LE(meter.units(), StopToken::kMostWorkAfterStop);
 }
 
-TEST(WorkMeter, CountsTheSameForAnyNumberOfThreadsButForUnitingTheirParts) {
+TEST(WorkMeter, CountsTheSameForAnyNumberOfThreadsExceptForMergingParts) {
   const Cloud cloud = camera_image(320, 240);
   const std::uint64_t one = run(cloud, {}, 0).units;
   EXPECT_EQ(run(cloud, {}, 0).units, one);

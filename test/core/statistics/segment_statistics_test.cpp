@@ -54,7 +54,7 @@ struct Solid {
   Vec3 half{0.6, 0.3, 0.1};
 
   Cloud cloud() const {
-    Cloud cloud = test::unorganised();
+    Cloud cloud = test::unorganized();
     for (int i = -12; i <= 12; ++i) {
       for (int j = -6; j <= 6; ++j) {
         for (int k = -2; k <= 2; ++k) {
@@ -85,7 +85,7 @@ TEST(SegmentStatistics, OfARotatedBoxAreItsOwn) {
 }
 
 TEST(SegmentStatistics, AreOfEachSegmentAndOfNoPointWithoutOne) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   for (int i = 0; i < 4; ++i) add(cloud, {0.25 * i, 0, 1}, pack_rgb(10, 20, 30));
   add(cloud, {100, 100, 100}, 0xffffff);
   add(cloud, {kNan, 0, 0}, 0xffffff);
@@ -104,7 +104,7 @@ TEST(SegmentStatistics, AreOfEachSegmentAndOfNoPointWithoutOne) {
 }
 
 TEST(SegmentStatistics, OfDegenerateSegmentsHaveABox) {
-  Cloud one = test::unorganised(), same = test::unorganised(), line = test::unorganised(), plane = test::unorganised();
+  Cloud one = test::unorganized(), same = test::unorganized(), line = test::unorganized(), plane = test::unorganized();
   add(one, {1, 2, 3});
   for (int i = 0; i < 7; ++i) add(same, {-1, 0.1, 1e-20});
   for (int i = 0; i < 9; ++i) add(line, {1 + 0.5 * i, 2 - 0.25 * i, 0.125 * i});
@@ -268,7 +268,7 @@ TEST(Describe, LooksAtTheLargestSegmentsOnly) {
 }
 
 TEST(Describe, OfNothingIsNothing) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   add(cloud, {kNan, 0, 0});
   Segmentation s = segment(cloud, {}).value();
   EXPECT_TRUE(describe(cloud, 1, {}, s).ok());

@@ -39,7 +39,7 @@ Stages run(const Cloud& cloud, const SupervoxelOptions& options = kPaper) {
 }
 
 Cloud two_colored_patches() {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0, 0, 0.004F, 0.4F, 0.004F, 0xff0000);
   test::add_patch(cloud, 0.4F, 0, 0.004F, 0.4F, 0.004F, 0x0000ff);
   return cloud;
@@ -66,7 +66,7 @@ TEST(Seeds, AreDistinctAndOneACell) {
 }
 
 TEST(Seeds, LieOnSurfacesOfEnoughArea) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0, 0, 0, 0.4F, 0.004F, 0);
   test::add(cloud, 2, 2, 2, 0);
   const Stages s = run(cloud);
@@ -77,7 +77,7 @@ TEST(Seeds, LieOnSurfacesOfEnoughArea) {
 
 TEST(Seeds, AreFoundFarAwayToo) {
   // At 9 m a voxel of the CAMERA view is 72 mm wide; by its nominal 8 mm there would be no seed at all.
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   for (int i = -100; i < 100; ++i) {
     for (int j = -100; j < 100; ++j)
       test::add(cloud, 0.02F * static_cast<float>(i), 0.02F * static_cast<float>(j), 9, 0);
@@ -95,7 +95,7 @@ TEST(Growth, GivesEveryVoxelToExactlyOneSupervoxel) {
 
 TEST(Growth, ReachesWhatPclLeavesOut) {
   // A line much longer than 1.8 seed resolutions has no seed of enough area, hence no supervoxel in PCL.
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   for (int i = 0; i < 1000; ++i) test::add(cloud, 0.002F * static_cast<float>(i), 0, 0, 0);
   const Stages s = run(cloud);
   expect_partition(s);
@@ -103,7 +103,7 @@ TEST(Growth, ReachesWhatPclLeavesOut) {
 }
 
 TEST(Growth, KeepsComponentsApart) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0, 0, 0, 0.05F, 0.004F, 0xffffff);
   test::add_patch(cloud, 0.1F, 0, 0, 0.05F, 0.004F, 0xffffff);  // in the seed cell of the first, in part
   const Stages s = run(cloud);

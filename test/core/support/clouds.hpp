@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -9,19 +10,21 @@
 
 namespace segserve::test {
 
-inline Cloud unorganised(View view = View::world(0, 0, 5)) {
+/// An empty cloud without rows, to which `add` adds points.
+inline Cloud unorganized(View view = View::world(0, 0, 5)) {
   Cloud cloud;
   cloud.view = view;
   cloud.height = 1;
   return cloud;
 }
 
+/// Adds a point with the color 0x00RRGGBB.
 inline void add(Cloud& cloud, float x, float y, float z, std::uint32_t rgb) {
   cloud.x.push_back(x), cloud.y.push_back(y), cloud.z.push_back(z), cloud.rgb.push_back(rgb);
   ++cloud.width;
 }
 
-/// A flat square patch of side `size` metres at z, sampled every `step` metres.
+/// Adds a flat square patch of side `size` meters at z, sampled every `step` meters.
 inline void add_patch(Cloud& cloud, float x0, float y0, float z, float size, float step, std::uint32_t rgb) {
   const int n = static_cast<int>(size / step);
   for (int i = 0; i < n; ++i) {
@@ -31,9 +34,9 @@ inline void add_patch(Cloud& cloud, float x0, float y0, float z, float size, flo
   }
 }
 
-/// Points all over a cube of side `size` around (0, 0, middle).
+/// Random points in a cube of side `size` around (0, 0, middle).
 inline Cloud random_cloud(std::size_t points, float size, float middle, View view, unsigned seed = 1) {
-  Cloud cloud = unorganised(view);
+  Cloud cloud = unorganized(view);
   std::mt19937 random(seed);
   const auto coordinate = [&] { return size * (static_cast<float>(random() % 100000) / 100000.0F - 0.5F); };
   for (std::size_t i = 0; i < points; ++i) {
@@ -43,7 +46,7 @@ inline Cloud random_cloud(std::size_t points, float size, float middle, View vie
   return cloud;
 }
 
-/// The points in another order: point i of the result is point order[i] of the cloud.
+/// The points in another order; point i of the result is point order[i] of the cloud.
 inline Cloud permuted(const Cloud& cloud, std::span<const std::uint32_t> order) {
   Cloud result;
   result.view = cloud.view;

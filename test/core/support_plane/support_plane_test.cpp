@@ -15,15 +15,18 @@
 namespace segserve {
 namespace {
 
-constexpr std::uint32_t kSupport = 1;  // in synthetic scenes and in OSD's ground truth
+// Labels in synthetic scenes and in OSD's ground truth.
+constexpr std::uint32_t kSupport = 1;
 constexpr std::uint32_t kFirstObject = 10;
 
 Options removal(double distance = 0.01) { return {.support_plane_distance = distance}; }
 
-/// Shares of the points that have label 0: of the support, of objects, of objects more than 1.2 distances above the
-/// plane, of what is neither.
+/// Which share of the points has label 0, for several kinds of points.
 struct Removed {
-  double support = 0, objects = 0, high_objects = 0, other = 0;
+  double support = 0;
+  double objects = 0;
+  double high_objects = 0;  // points of objects more than 1.2 distances above the plane
+  double other = 0;         // points of neither support nor objects
 };
 
 Removed removed(const CloudView& cloud, const std::vector<std::uint32_t>& truth, const Segmentation& s,
@@ -54,7 +57,7 @@ TEST_P(Tabletop, LosesItsTableAndKeepsItsObjects) {
     const Segmentation s = *segment(scene.cloud, removal());
     const Removed r = removed(scene.cloud, scene.label, s, 0.01);
     EXPECT_GE(r.support, 0.995);
-    EXPECT_LE(r.objects, 0.13) << "what is within the distance: feet, flat things";
+    EXPECT_LE(r.objects, 0.13) << "the feet of objects and flat objects are within the distance";
     EXPECT_LE(r.high_objects, 0.002);
     EXPECT_LE(r.other, 0.002);
     EXPECT_NEAR(norm(s.support_plane->normal), 1, 1e-12);
@@ -64,7 +67,7 @@ TEST_P(Tabletop, LosesItsTableAndKeepsItsObjects) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Tabletop, testing::Range<std::uint64_t>(1, 7));
 
-TEST(SupportPlane, OfARoomSeenFromAfarIsTheTableThoughWallsAreLarger) {
+TEST(SupportPlane, IsTheTableOfARoomThoughItsWallsAreLarger) {
   for (const std::uint64_t seed : {1U, 3U, 4U}) {
     const synth::SyntheticScene scene = *synth::make_tabletop({.seed = seed, .distance = 2, .all_finite = true});
     const Removed r = removed(scene.cloud, scene.label, *segment(scene.cloud, removal()), 0.01);
@@ -74,8 +77,8 @@ TEST(SupportPlane, OfARoomSeenFromAfarIsTheTableThoughWallsAreLarger) {
   }
 }
 
-TEST(SupportPlane, BelowACameraThatLooksStraightDownIsTheLargest) {
-  Cloud cloud = test::unorganised(View::camera());
+TEST(SupportPlane, IsTheLargestBelowACameraThatLooksStraightDown) {
+  Cloud cloud = test::unorganized(View::camera());
   test::add_patch(cloud, -0.3F, -0.3F, 1, 0.6F, 0.005F, 0x808080);
   test::add_patch(cloud, -0.1F, -0.1F, 0.9F, 0.2F, 0.005F, 0xff0000);
   const Segmentation s = *segment(cloud, removal());
@@ -84,7 +87,7 @@ TEST(SupportPlane, BelowACameraThatLooksStraightDownIsTheLargest) {
   EXPECT_EQ(s.segments, 1U);
 }
 
-TEST(SupportPlane, OfRealScenesIsTheTable) {
+TEST(SupportPlane, IsTheTableOfRealScenes) {
   const std::filesystem::path folder = std::filesystem::path(SEGSERVE_DATA_DIR) / "osd/learn";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no OSD scenes in " << folder;
   double objects = 0, scenes = 0;
@@ -101,7 +104,7 @@ TEST(SupportPlane, OfRealScenesIsTheTable) {
   EXPECT_LE(objects / scenes, 0.02);
 }
 
-TEST(SupportPlane, OfARoomIsItsFloor) {
+TEST(SupportPlane, IsTheFloorOfARoom) {
   synth::SyntheticScene scene = *synth::make_fused_room({.seed = 2, .points = 150000});
   Options options = removal(0.02);
   options.voxel_resolution = 0.02;
@@ -118,13 +121,13 @@ TEST(SupportPlane, OfARoomIsItsFloor) {
   }
 }
 
-/// A small tabletop; tests below ask what its removal does to everything else.
+/// A small tabletop for the tests of what the removal does to everything else.
 const Cloud& small_tabletop() {
   static const Cloud cloud = synth::make_tabletop({.seed = 3, .width = 320, .height = 240})->cloud;
   return cloud;
 }
 
-TEST(SupportPlane, AllElseIsAsIfItWereNotFinite) {
+TEST(SupportPlane, IsRemovedAsIfItsPointsWereNotFinite) {
   Cloud room = synth::make_fused_room({.seed = 3, .points = 60000})->cloud;
   Cloud unseen_room = room;
   unseen_room.view = View::world();
@@ -165,9 +168,10 @@ TEST(SupportPlane, DependsNeitherOnTheOrderOfThePointsNorOnThreads) {
   EXPECT_EQ(p.support_plane, s.support_plane);
 }
 
-/// A floor, a larger wall behind it, and a low and a high box on the floor; z is up, 5 mm between points.
+/// A floor, a larger wall behind it, and the tops of a low and a high box on the floor. z is up, and points are 5 mm
+/// apart.
 Cloud floor_and_wall(const View& view) {
-  Cloud cloud = test::unorganised(view);
+  Cloud cloud = test::unorganized(view);
   test::add_patch(cloud, 0, 0, 0.3F, 1, 0.005F, 0x808080);
   for (float x = 0; x < 1; x += 0.005F) {
     for (float z = 0.3F; z < 2; z += 0.005F) test::add(cloud, x, 1, z, 0x909090);
@@ -177,27 +181,27 @@ Cloud floor_and_wall(const View& view) {
   return cloud;
 }
 
-TEST(SupportPlane, InAWorldViewFacesUpThoughAWallIsLarger) {
+TEST(SupportPlane, FacesUpInAWorldViewThoughAWallIsLarger) {
   for (const View& view : {View::world(0.5F, -1, 1.5F), View::world()}) {
     const Segmentation s = *segment(floor_and_wall(view), removal());
     EXPECT_NEAR(s.support_plane->normal.z, 1, 1e-6);
     EXPECT_NEAR(s.support_plane->offset, 0.3, 1e-4);
-    EXPECT_NEAR(static_cast<double>(s.support_plane->points), 40000, 600) << "the wall's foot included";
+    EXPECT_NEAR(static_cast<double>(s.support_plane->points), 40000, 600) << "the foot of the wall belongs to it";
     EXPECT_TRUE(std::all_of(s.labels.end() - 800, s.labels.end(), [](std::uint32_t label) { return label > 0; }))
-        << "two boxes of 400 points each";
+        << "the boxes, of 400 points each, do not belong to it";
   }
 }
 
-TEST(SupportPlane, SeenFromBelowIsACeiling) {
-  Cloud ceiling = test::unorganised(View::world(0.5F, 0.5F, 0));
+TEST(SupportPlane, IsNoCeiling) {
+  Cloud ceiling = test::unorganized(View::world(0.5F, 0.5F, 0));
   test::add_patch(ceiling, 0, 0, 2, 1, 0.005F, 0x808080);
   const Segmentation s = *segment(ceiling, removal());
   EXPECT_EQ(s.support_plane, SupportPlane{});
   EXPECT_EQ(s.segmented_points, ceiling.size());
 }
 
-TEST(SupportPlane, LeavesWhatIsBelowIt) {
-  Cloud cloud = test::unorganised(View::world(0.5F, 0.5F, 5));
+TEST(SupportPlane, DoesNotTakePointsBelowIt) {
+  Cloud cloud = test::unorganized(View::world(0.5F, 0.5F, 5));
   test::add_patch(cloud, 0, 0, 1, 1, 0.005F, 0x808080);
   test::add_patch(cloud, 1.2F, 0, 0.5F, 0.3F, 0.005F, 0x808080);  // a stool beside the table
   const Segmentation s = *segment(cloud, removal());
@@ -215,8 +219,8 @@ TEST(SupportPlane, IsNoneInACloudWithoutPlanes) {
   EXPECT_FALSE(without.support_plane.has_value());
 }
 
-TEST(SupportPlane, MayBeAllThereIs) {
-  Cloud cloud = test::unorganised(View::world(0.5F, 0.5F, 5));
+TEST(SupportPlane, MayBeTheWholeCloud) {
+  Cloud cloud = test::unorganized(View::world(0.5F, 0.5F, 5));
   test::add_patch(cloud, 0, 0, 1, 0.5F, 0.005F, 0x808080);
   const Segmentation s = *segment(cloud, removal());
   EXPECT_EQ(s.support_plane->points, cloud.size());
@@ -225,7 +229,7 @@ TEST(SupportPlane, MayBeAllThereIs) {
 }
 
 TEST(SupportPlane, IsNoneWithoutAnyPoint) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add(cloud, NAN, 0, 0, 0);
   EXPECT_EQ(segment(cloud, removal())->support_plane, SupportPlane{});
   test::add(cloud, 1, 2, 3, 0);
@@ -233,7 +237,7 @@ TEST(SupportPlane, IsNoneWithoutAnyPoint) {
 }
 
 TEST(SupportPlane, IsAsExactFarFromTheOrigin) {
-  Cloud near = test::unorganised(View::world(0.5F, 0.5F, 2)), far = test::unorganised(View::world(512.5F, 512.5F, 258));
+  Cloud near = test::unorganized(View::world(0.5F, 0.5F, 2)), far = test::unorganized(View::world(512.5F, 512.5F, 258));
   for (Cloud* cloud : {&near, &far}) {
     const float shift = cloud == &far ? 512 : 0;
     test::add_patch(*cloud, shift, shift, shift / 2, 1, 0.0078125F, 0x808080);

@@ -106,7 +106,7 @@ TEST(ComponentBridging, EqualsTheDefinition) {
 }
 
 TEST(ComponentBridging, ConnectsASurfaceThatIsSparserThanTheVoxels) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.4F, 0.0142F, 0);  // leaves 3 of 10 rows of voxels empty
   const Bridged b = bridged(cloud);
   EXPECT_GT(component_count(b.before), 50U);
@@ -114,7 +114,7 @@ TEST(ComponentBridging, ConnectsASurfaceThatIsSparserThanTheVoxels) {
 }
 
 TEST(ComponentBridging, KeepsLargeSurfacesApart) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.2F, 0.004F, 0);
   test::add_patch(cloud, 0.222F, 0.002F, 0.002F, 0.2F, 0.004F, 0);
   const Bridged b = bridged(cloud);
@@ -124,7 +124,7 @@ TEST(ComponentBridging, KeepsLargeSurfacesApart) {
 
 TEST(ComponentBridging, ReachesNoFurtherThanItMay) {
   const auto components_with_a_speck_at = [](float x) {
-    Cloud cloud = test::unorganised();
+    Cloud cloud = test::unorganized();
     test::add_patch(cloud, 0.002F, 0.002F, 0.002F, 0.1F, 0.004F, 0);  // ends with the voxels at x = 0.09
     test::add(cloud, x, 0.05F, 0.002F, 0);
     return component_count(bridged(cloud).after);
@@ -134,7 +134,7 @@ TEST(ComponentBridging, ReachesNoFurtherThanItMay) {
 }
 
 TEST(ComponentBridging, StopsWhenAsked) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add(cloud, 0, 0, 0, 0);
   Bridged b = bridged(cloud);
   const std::atomic<bool> cancelled = true;

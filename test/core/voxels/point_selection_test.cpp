@@ -121,7 +121,7 @@ TEST(PointsLeftOut, ByBoxAndRangeInARoomHaveNoInfluence) {
 }
 
 TEST(PointsLeftOut, NeedNeitherFitTheGridNorBeInFrontOfTheCamera) {
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   test::add_patch(cloud, -0.1F, -0.1F, 1, 0.2F, 0.005F, 0x808080);
   test::add(cloud, 0, 0, -1, 0);
   test::add(cloud, 1e30F, 0, 1, 0);

@@ -65,7 +65,7 @@ TEST(Voxelization, EqualsAnOrderedMapOfCells) {
 }
 
 TEST(Voxelization, SumsOfManyPointsAreExact) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   constexpr std::uint32_t kPoints = 100'003;
   for (std::uint32_t i = 0; i < kPoints; ++i)
     test::add(cloud, -1500.005F, 900.005F, 1.005F, 0xffffffff - 0x200 * (i % 2));
@@ -80,14 +80,14 @@ TEST(Voxelization, SumsOfManyPointsAreExact) {
 TEST(Voxelization, CameraCellsGrowWithTheDistance) {
   // At twice the distance the same angle covers twice the length, and there are as many voxels along x.
   for (const float z : {0.8F, 1.6F, 3.2F}) {
-    Cloud cloud = test::unorganised(View::camera());
+    Cloud cloud = test::unorganized(View::camera());
     for (int i = 0; i < 400; ++i) test::add(cloud, z * 0.001F * static_cast<float>(i), 0, z, 0);
     EXPECT_EQ(run(cloud, 0.01).grid.size(), 40U) << z;
   }
 }
 
 TEST(Voxelization, PointsKnowTheirVoxels) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   const float nan = std::numeric_limits<float>::quiet_NaN();
   test::add(cloud, 0.005F, 0, 0, 1);
   test::add(cloud, nan, 0, 0, 2);
@@ -128,7 +128,7 @@ TEST(Voxelization, DependsNeitherOnThreadsNorOnTheOrderOfThePoints) {
 }
 
 TEST(Voxelization, MayHaveMoreThreadsThanPoints) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add(cloud, 0, 0, 0, 0);
   EXPECT_EQ(run(cloud, 0.01, 16).grid.size(), 1U);
 }
@@ -145,7 +145,7 @@ TEST(Voxelization, ASecondCloudDoesNotSeeTheFirst) {
 }
 
 TEST(Voxelization, CloudsWithoutAnyFinitePointHaveNoVoxels) {
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   test::add(cloud, std::numeric_limits<float>::quiet_NaN(), 1, 1, 0);
   const auto [status, grid] = run(cloud);
   EXPECT_TRUE(status.ok());
@@ -153,7 +153,7 @@ TEST(Voxelization, CloudsWithoutAnyFinitePointHaveNoVoxels) {
 }
 
 TEST(Voxelization, NamesThePointBehindTheCamera) {
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   test::add(cloud, 0, 0, 1, 0);
   test::add(cloud, 0.5F, 0, -1, 0);
   EXPECT_THAT(fault(cloud), HasSubstr("point 1 at (0.5, 0, -1): z must be above 0 in a CAMERA view"));
@@ -164,7 +164,7 @@ TEST(Voxelization, NamesThePointBehindTheCamera) {
 }
 
 TEST(Voxelization, NamesThePointBeyondTheGrid) {
-  Cloud cloud = test::unorganised();
+  Cloud cloud = test::unorganized();
   test::add(cloud, 0, 0, 0, 0);
   for (const float far : {1e30F, -1e30F, 3000.0F, std::numeric_limits<float>::max()}) {
     test::add(cloud, 0, far, 0, 0);
@@ -177,7 +177,7 @@ TEST(Voxelization, NamesThePointBeyondTheGrid) {
 }
 
 TEST(Voxelization, NamesThePointTooFarAside) {
-  Cloud cloud = test::unorganised(View::camera());
+  Cloud cloud = test::unorganized(View::camera());
   test::add(cloud, 1, 0, 1e-6F, 0);
   EXPECT_THAT(fault(cloud), HasSubstr("|x/z|"));
   cloud.z[0] = 1e-40F;  // subnormal
