@@ -28,20 +28,18 @@ std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
   return sizes;
 }
 
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
 Json support_plane_json(const std::optional<SupportPlane>& plane) {
   if (!plane) return {};
-  return {{"points", plane->points},
-          {"normal", {plane->normal.x, plane->normal.y, plane->normal.z}},
-          {"offset", plane->offset}};
+  return {{"points", plane->points}, {"normal", vector_json(plane->normal)}, {"offset", plane->offset}};
 }
 
-Json vector_json(const Vec3& v) { return {v.x, v.y, v.z}; }
-
-Json optional_vector_json(const std::optional<Vec3>& v) { return v ? vector_json(*v) : Json(); }
+Json optional_vector_json(const std::optional<Eigen::Vector3d>& v) { return v ? vector_json(*v) : Json(); }
 
 Json segment_json(std::size_t label, const SegmentStatistics& segment) {
   Json axes = Json::array();
-  for (const Vec3& axis : segment.box.axes) axes.push_back(vector_json(axis));
+  for (int k = 0; k < 3; ++k) axes.push_back(vector_json(segment.box.axes.col(k)));
   return {{"label", label},
           {"points", segment.points},
           {"centroid", vector_json(segment.centroid)},
@@ -56,7 +54,7 @@ Json segment_json(std::size_t label, const SegmentStatistics& segment) {
 std::string support_plane_text(const SupportPlane& plane) {
   if (plane.points == 0) return "no support plane found\n";
   return fmt::format("support plane removed: {} points, {:.4f} x + {:.4f} y + {:.4f} z = {:.4f} m\n", plane.points,
-                     plane.normal.x, plane.normal.y, plane.normal.z, plane.offset);
+                     plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
 }
 
 std::string cut_text(const client::Result& result) {

@@ -1,6 +1,5 @@
 #include "client/segctl/view_flag.hpp"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -10,11 +9,11 @@
 namespace segserve::segctl {
 namespace {
 
-std::optional<std::array<float, 3>> parse_position(std::string_view text) {
-  std::array<float, 3> position{};
+std::optional<Eigen::Vector3f> parse_position(std::string_view text) {
+  Eigen::Vector3f position;
   const char* at = text.data();
   const char* const end = text.data() + text.size();
-  for (std::size_t axis = 0; axis < position.size(); ++axis) {
+  for (Eigen::Index axis = 0; axis < position.size(); ++axis) {
     if (axis > 0 && (at == end || *at++ != ',')) return std::nullopt;
     const auto [rest, error] = std::from_chars(at, end, position[axis]);
     if (error != std::errc{} || !std::isfinite(position[axis])) return std::nullopt;
@@ -41,7 +40,7 @@ absl::StatusOr<View> parse_view(std::string_view text) {
 std::string view_text(const View& view) {
   if (view.kind == ViewKind::kCamera) return "camera";
   if (!view.sensor) return "world";
-  return fmt::format("world:{},{},{}", (*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]);
+  return fmt::format("world:{},{},{}", view.sensor->x(), view.sensor->y(), view.sensor->z());
 }
 
 }  // namespace segserve::segctl

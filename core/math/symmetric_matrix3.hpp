@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-
 #include "core/math/vec3.hpp"
 
 namespace segserve {
@@ -27,11 +25,5 @@ inline Symmetric3 outer(const Vec3& v) { return {v.x * v.x, v.x * v.y, v.x * v.z
 /// the normal of the plane that fits best. The zero vector if the direction is not defined, that is
 /// if the two smallest eigenvalues are equal (points on a line, or a single point).
 Vec3 smallest_eigenvector(const Symmetric3& a);
-
-/// Unit eigenvectors of a positive semidefinite matrix by descending eigenvalue, right-handed: the largest component of
-/// the first two (the first such in the order x, y, z) is positive, and the third is their cross product. Where
-/// eigenvalues are equal any axes across the others serve; for a multiple of the identity and for the zero matrix they
-/// are x, y and z.
-std::array<Vec3, 3> principal_axes(const Symmetric3& a);
 
 }  // namespace segserve

@@ -8,6 +8,7 @@
 #include "core/base/stop_check.hpp"
 #include "core/base/stopwatch.hpp"
 #include "core/labels/point_labeling.hpp"
+#include "core/math/eigen_conversion.hpp"
 #include "core/merging/border_merging.hpp"
 #include "core/merging/paper_merging.hpp"
 #include "core/normals/edge_aware_normals.hpp"
@@ -33,10 +34,10 @@ void release_if(bool is_large, Buffers&... buffers) {
   if (is_large) ((buffers = Buffers()), ...);
 }
 
-absl::Status copy_normals(const FrameContext& frame, const RegionGraph& graph, std::vector<Vec3>& normals) {
+absl::Status copy_normals(const FrameContext& frame, const RegionGraph& graph, std::vector<Eigen::Vector3d>& normals) {
   normals.resize(graph.regions.size());
   StopCheck check(frame.stop);
-  check.for_each(0, normals.size(), [&](std::size_t s) { normals[s] = graph.regions[s].normal_sum; });
+  check.for_each(0, normals.size(), [&](std::size_t s) { normals[s] = to_eigen(graph.regions[s].normal_sum); });
   return check.status();
 }
 

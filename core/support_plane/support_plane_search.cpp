@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/base/stop_check.hpp"
+#include "core/math/eigen_conversion.hpp"
 #include "core/math/random.hpp"
 #include "core/math/symmetric_matrix3.hpp"
 
@@ -192,7 +193,7 @@ absl::Status find_support_plane(const FrameContext& frame, const VoxelGrid& grid
     found.member.assign(grid.size(), false);
     return check.status();
   }
-  found.plane = {.normal = plane->normal, .offset = plane->offset};
+  found.plane = {.normal = to_eigen(plane->normal), .offset = plane->offset};
   add_fringe(search, *plane, adjacency, check, found.member);
   check.for_each(0, grid.size(), [&](std::size_t v) {
     if (found.member[v]) found.plane.points += grid.points[v];

@@ -27,7 +27,7 @@ class PointSelection {
                 .sensor = {},
                 .nearest_squared = squared(options.range_min.value_or(0)),
                 .farthest_squared = squared(options.range_max.value_or(kInfinity))} {
-    if (view.sensor) std::ranges::copy(*view.sensor, limits_.sensor);
+    if (view.sensor) std::copy_n(view.sensor->data(), 3, limits_.sensor);
     for (const auto& limit : {options.crop_min_x, options.crop_min_y, options.crop_min_z, options.crop_max_x,
                               options.crop_max_y, options.crop_max_z, options.range_min, options.range_max}) {
       all_ = all_ && !limit;

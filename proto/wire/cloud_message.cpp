@@ -12,9 +12,9 @@ v1::View to_message(const View& view) {
   v1::View message;
   message.set_kind(view.kind == ViewKind::kCamera ? v1::VIEW_KIND_CAMERA : v1::VIEW_KIND_WORLD);
   if (view.sensor) {
-    message.mutable_sensor()->set_x((*view.sensor)[0]);
-    message.mutable_sensor()->set_y((*view.sensor)[1]);
-    message.mutable_sensor()->set_z((*view.sensor)[2]);
+    message.mutable_sensor()->set_x(view.sensor->x());
+    message.mutable_sensor()->set_y(view.sensor->y());
+    message.mutable_sensor()->set_z(view.sensor->z());
   }
   return message;
 }

@@ -17,9 +17,9 @@ namespace {
 v1::SupportPlane plane_message(const SupportPlane& plane) {
   v1::SupportPlane message;
   message.set_points(plane.points);
-  message.set_normal_x(plane.normal.x);
-  message.set_normal_y(plane.normal.y);
-  message.set_normal_z(plane.normal.z);
+  message.set_normal_x(plane.normal.x());
+  message.set_normal_y(plane.normal.y());
+  message.set_normal_z(plane.normal.z());
   message.set_offset(plane.offset);
   return message;
 }

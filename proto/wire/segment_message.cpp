@@ -1,7 +1,7 @@
 #include "proto/wire/segment_message.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string_view>
@@ -14,29 +14,26 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-6;
 
-v1::Vector3 to_message(const Vec3& v) {
+v1::Vector3 to_message(const Eigen::Vector3d& v) {
   v1::Vector3 message;
-  message.set_x(v.x);
-  message.set_y(v.y);
-  message.set_z(v.z);
+  message.set_x(v.x());
+  message.set_y(v.y());
+  message.set_z(v.z());
   return message;
 }
 
-Vec3 to_vec3(const v1::Vector3& message) { return {message.x(), message.y(), message.z()}; }
+Eigen::Vector3d from_message(const v1::Vector3& message) { return {message.x(), message.y(), message.z()}; }
 
-bool is_between(const Vec3& v, double low, double high) {
-  return std::ranges::all_of(std::array{v.x, v.y, v.z},
-                             [&](double c) { return std::isfinite(c) && c >= low && c <= high; });
+bool is_between(const Eigen::Vector3d& v, double low, double high) {
+  return v.allFinite() && v.minCoeff() >= low && v.maxCoeff() <= high;
 }
-
-bool is_finite_vector(const Vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 bool is_near(double value, double expected) { return std::fabs(value - expected) <= kUnitTolerance; }  // not for NaN
 
-/// Orthogonal unit vectors, right-handed.
-bool is_frame(const std::array<Vec3, 3>& axes) {
-  return std::ranges::all_of(axes, [](const Vec3& axis) { return is_near(norm(axis), 1); }) &&
-         is_near(dot(axes[0], axes[1]), 0) && is_near(dot(cross(axes[0], axes[1]), axes[2]), 1);
+/// Whether the columns are unit vectors at right angles, right-handed.
+bool is_rotation(const Eigen::Matrix3d& axes) {
+  return is_near(axes.col(0).norm(), 1) && is_near(axes.col(1).norm(), 1) && is_near(axes.col(2).norm(), 1) &&
+         is_near(axes.col(0).dot(axes.col(1)), 0) && is_near(axes.col(0).cross(axes.col(1)).dot(axes.col(2)), 1);
 }
 
 v1::Segment to_message(const SegmentStatistics& segment) {
@@ -45,12 +42,12 @@ v1::Segment to_message(const SegmentStatistics& segment) {
   *message.mutable_centroid() = to_message(segment.centroid);
   v1::OrientedBox& box = *message.mutable_box();
   *box.mutable_center() = to_message(segment.box.center);
-  for (const Vec3& axis : segment.box.axes) *box.add_axes() = to_message(axis);
+  for (int k = 0; k < 3; ++k) *box.add_axes() = to_message(segment.box.axes.col(k));
   *box.mutable_half_extents() = to_message(segment.box.half_extents);
   if (segment.color) {
-    message.mutable_color()->set_red(segment.color->x);
-    message.mutable_color()->set_green(segment.color->y);
-    message.mutable_color()->set_blue(segment.color->z);
+    message.mutable_color()->set_red(segment.color->x());
+    message.mutable_color()->set_green(segment.color->y());
+    message.mutable_color()->set_blue(segment.color->z());
   }
   if (segment.normal) *message.mutable_normal() = to_message(*segment.normal);
   return message;
@@ -59,24 +56,24 @@ v1::Segment to_message(const SegmentStatistics& segment) {
 SegmentStatistics read(const v1::Segment& message) {
   SegmentStatistics segment;
   segment.points = message.points();
-  segment.centroid = to_vec3(message.centroid());
-  segment.box.center = to_vec3(message.box().center());
-  std::ranges::transform(message.box().axes(), segment.box.axes.begin(), to_vec3);
-  segment.box.half_extents = to_vec3(message.box().half_extents());
+  segment.centroid = from_message(message.centroid());
+  segment.box.center = from_message(message.box().center());
+  for (int k = 0; k < 3; ++k) segment.box.axes.col(k) = from_message(message.box().axes(k));
+  segment.box.half_extents = from_message(message.box().half_extents());
   if (message.has_color()) segment.color = {message.color().red(), message.color().green(), message.color().blue()};
-  if (message.has_normal()) segment.normal = to_vec3(message.normal());
+  if (message.has_normal()) segment.normal = from_message(message.normal());
   return segment;
 }
 
 /// What is wrong with a segment; empty: nothing.
 std::string_view fault(const SegmentStatistics& segment) {
   if (segment.points == 0) return "points: 0";
-  if (!is_finite_vector(segment.centroid)) return "centroid: not finite";
-  if (!is_finite_vector(segment.box.center)) return "box.center: not finite";
-  if (!is_frame(segment.box.axes)) return "box.axes: not three unit vectors at right angles, right-handed";
+  if (!segment.centroid.allFinite()) return "centroid: not finite";
+  if (!segment.box.center.allFinite()) return "box.center: not finite";
+  if (!is_rotation(segment.box.axes)) return "box.axes: not three unit vectors at right angles, right-handed";
   if (!is_between(segment.box.half_extents, 0, INFINITY)) return "box.half_extents: not finite and at least 0";
   if (segment.color && !is_between(*segment.color, 0, 255)) return "color: not in [0, 255]";
-  if (segment.normal && !is_near(norm(*segment.normal), 1)) return "normal: not a unit vector";
+  if (segment.normal && !is_near(segment.normal->norm(), 1)) return "normal: not a unit vector";
   return {};
 }
 

@@ -69,8 +69,9 @@ inline std::vector<SegmentStatistics> small_statistics() {
   SegmentStatistics first, second;
   first.points = 4;
   first.centroid = {0.1, -2, 1e-3};
-  first.box = {
-      .center = {0.2, -2.5, 0}, .axes = {{{0, 1, 0}, {0.6, 0, 0.8}, {0.8, 0, -0.6}}}, .half_extents = {3, 2, 0}};
+  first.box.center = {0.2, -2.5, 0};
+  first.box.axes << 0, 0.6, 0.8, 1, 0, 0, 0, 0.8, -0.6;
+  first.box.half_extents = {3, 2, 0};
   first.color = {12.5, 0, 255};
   first.normal = {0, -0.6, 0.8};
   second.points = 1;

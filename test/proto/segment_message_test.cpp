@@ -51,9 +51,11 @@ TEST(WireSegments, FitAMessageOfTheSizeThatClientsReadByDefault) {
   constexpr std::size_t kDefaultReceiveBytes = 4 << 20;
   SegmentStatistics large = small_statistics()[0];
   large.points = 0x7fffffff;
-  for (Vec3* v : {&large.centroid, &large.box.center, &large.box.axes[0], &large.box.axes[1], &large.box.axes[2],
-                  &large.box.half_extents, &*large.color, &*large.normal}) {
-    *v = {1.0 / 3, 1.0 / 3, 1.0 / 3};  // no zero, which takes no bytes
+  const double third = 1.0 / 3;  // not zero, which takes no bytes
+  large.box.axes.setConstant(third);
+  for (Eigen::Vector3d* v :
+       {&large.centroid, &large.box.center, &large.box.half_extents, &*large.color, &*large.normal}) {
+    v->setConstant(third);
   }
   v1::SegmentationResult result;
   *result.mutable_segments() = to_message(std::vector<SegmentStatistics>(kMostDescribedSegments, large));

@@ -24,7 +24,7 @@ std::string encode_header(const CloudView& cloud, bool has_label, PcdEncoding en
   const auto per_field = [&](std::string_view first_three, std::string_view rgb, std::string_view label) {
     return fmt::format("{}{}{}", first_three, color ? rgb : "", has_label ? label : "");
   };
-  const auto sensor = cloud.view.sensor.value_or(std::array<float, 3>{});
+  const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
   // Text of type F would make a NaN of some colours; PCL, too, writes an integer then.
   std::string header = fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -8,7 +9,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/math/vec3.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/merge_tree.hpp"
 #include "segserve/options.hpp"
@@ -30,8 +30,8 @@ struct StageTimings {
   double total = 0;
 };
 
-/// A segmented cloud of N points and m supervoxels. A point is not segmented if it is not finite, if the crop box or the
-/// range leaves it out, or if it is removed with the support plane.
+/// A segmented cloud of N points and m supervoxels. A point is not segmented if it is not finite, if the crop box or
+/// the range leaves it out, or if it is removed with the support plane.
 struct Segmentation {
   std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not segmented, 1..segments by descending size
   std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
@@ -39,19 +39,19 @@ struct Segmentation {
   std::uint32_t segments = 0;
   /// Of the segments, largest first, kMostDescribedSegments at most; empty unless asked for: see describe.
   std::vector<SegmentStatistics> statistics;
-  std::vector<Vec3> supervoxel_normals;       ///< m: sums of the unit normals of each supervoxel's voxels
-  std::size_t finite_points = 0;              ///< segmented or not
-  std::size_t segmented_points = 0;           ///< with a label other than 0: the sum over the tree's leaves
-  std::optional<SupportPlane> support_plane;  ///< set if its removal was asked for
-  std::size_t voxels = 0;                     ///< that were segmented
-  std::optional<double> threshold;            ///< of the cut; unset if the caller asked for a number of regions
+  std::vector<Eigen::Vector3d> supervoxel_normals;  ///< m: sums of the unit normals of each supervoxel's voxels
+  std::size_t finite_points = 0;                    ///< segmented or not
+  std::size_t segmented_points = 0;                 ///< with a label other than 0: the sum over the tree's leaves
+  std::optional<SupportPlane> support_plane;        ///< set if its removal was asked for
+  std::size_t voxels = 0;                           ///< that were segmented
+  std::optional<double> threshold;                  ///< of the cut; unset if the caller asked for a number of regions
   double lambda = 0;  ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
   StageTimings timings;
 };
 
 /// Segments clouds one after the other. It keeps its buffers and threads between calls, so that a frame takes less time
-/// than with `segment` below. One thread at a time may use an object. The result depends on nothing but the cloud and the
-/// options, whatever was segmented before.
+/// than with `segment` below. One thread at a time may use an object. The result depends on nothing but the cloud and
+/// the options, whatever was segmented before.
 ///
 ///     Segmenter segmenter;
 ///     for (const Cloud& cloud : frames) {
@@ -67,10 +67,10 @@ class Segmenter {
   Segmenter& operator=(Segmenter&&) noexcept;
 
   /// Segments a cloud. A cloud without any point to segment is no error: all labels are 0 and the tree is empty.
-  /// INVALID_ARGUMENT if the options are not valid (`check`), the cloud has the wrong shape (`check_shape`), or a point to
-  /// segment has z <= 0 in a CAMERA view or lies beyond the grid, which reaches about 2^18 voxels from the origin.
-  /// CANCELLED and DEADLINE_EXCEEDED as `stop` says. An exception of a WorkMeter's callback, or std::bad_alloc, leaves the
-  /// object in a state in which it can segment other clouds.
+  /// INVALID_ARGUMENT if the options are not valid (`check`), the cloud has the wrong shape (`check_shape`), or a point
+  /// to segment has z <= 0 in a CAMERA view or lies beyond the grid, which reaches about 2^18 voxels from the origin.
+  /// CANCELLED and DEADLINE_EXCEEDED as `stop` says. An exception of a WorkMeter's callback, or std::bad_alloc, leaves
+  /// the object in a state in which it can segment other clouds.
   absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
  private:
@@ -82,8 +82,8 @@ class Segmenter {
 absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
 /// Sets the statistics of a segmentation of this cloud, and the time that this took. They have normals if the
-/// segmentation has those of its supervoxels. The segmentation does not change unless OK is returned. Errors are those of
-/// describe_segments.
+/// segmentation has those of its supervoxels. The segmentation does not change unless OK is returned. Errors are those
+/// of describe_segments.
 absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation);
 
 }  // namespace segserve

@@ -1,16 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
-
-#include "core/math/vec3.hpp"
 
 namespace segserve {
 
-/// The plane n p = offset, in the frame of the cloud, metres.
+/// The plane of points p with normal . p = offset, in the frame of the cloud, meters.
 struct SupportPlane {
-  Vec3 normal;             ///< unit, towards the objects: to the camera, in a WORLD view up (+z); 0 if none was found
-  double offset = 0;       ///< metres
-  std::size_t points = 0;  ///< that belong to it; 0 if none was found
+  /// Unit vector on the side of the objects: towards the camera, in a WORLD view up (+z). Zero if no plane was found.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  double offset = 0;       ///< meters
+  std::size_t points = 0;  ///< how many points belong to the plane; 0 if no plane was found
   bool operator==(const SupportPlane&) const = default;
 };
 

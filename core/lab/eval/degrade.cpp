@@ -41,7 +41,7 @@ void rescale(Cloud& cloud, double scale) {
 void add_noise(codec::LabelledCloud& scene, double sigma, Random& random) {
   Cloud& cloud = scene.cloud;
   const bool camera = cloud.view.kind == ViewKind::kCamera;
-  const std::array<float, 3> origin = cloud.view.sensor.value_or(std::array<float, 3>{});  // CAMERA: at 0
+  const Eigen::Vector3f origin = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());  // CAMERA: at 0
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double gaussian = random.gaussian();  // also for points that are not there: pixels stay comparable
     if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;

@@ -9,8 +9,8 @@ Raster rasterize_organised(const CloudView& cloud) {
   const auto distance = [&](std::size_t i) {
     if (cloud.view.kind == ViewKind::kCamera) return cloud.z[i];
     if (!cloud.view.sensor) return 1.0F;
-    const auto& [x, y, z] = *cloud.view.sensor;
-    return std::hypot(cloud.x[i] - x, cloud.y[i] - y, cloud.z[i] - z);
+    const Eigen::Vector3f& sensor = *cloud.view.sensor;
+    return std::hypot(cloud.x[i] - sensor.x(), cloud.y[i] - sensor.y(), cloud.z[i] - sensor.z());
   };
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;

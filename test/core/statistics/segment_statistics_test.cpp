@@ -1,5 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/segment_statistics.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -17,48 +19,47 @@
 namespace segserve {
 namespace {
 
+using Eigen::Vector3d;
+
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-Vec3 point(const Cloud& cloud, std::size_t i) { return {cloud.x[i], cloud.y[i], cloud.z[i]}; }
+Vector3d point(const Cloud& cloud, std::size_t i) { return {cloud.x[i], cloud.y[i], cloud.z[i]}; }
 
-void add(Cloud& cloud, const Vec3& p, std::uint32_t rgb = 0) {
-  test::add(cloud, static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z), rgb);
+void add(Cloud& cloud, const Vector3d& p, std::uint32_t rgb = 0) {
+  test::add(cloud, static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z()), rgb);
 }
 
 SegmentStatistics describe_all(const Cloud& cloud) {
   return describe_segments(cloud, std::vector<std::uint32_t>(cloud.size(), 1), 1).value().at(0);
 }
 
-void expect_near(const Vec3& got, const Vec3& expected, double tolerance) {
-  EXPECT_LE(norm(got - expected), tolerance) << got.x << " " << got.y << " " << got.z;
+void expect_near(const Vector3d& got, const Vector3d& expected, double tolerance) {
+  EXPECT_LE((got - expected).norm(), tolerance) << got.transpose();
 }
 
 /// How far the point is outside the box, metres.
-double beyond(const OrientedBox& box, const Vec3& p) {
-  const Vec3 d = p - box.center;
-  return std::max({std::fabs(dot(box.axes[0], d)) - box.half_extents.x,
-                   std::fabs(dot(box.axes[1], d)) - box.half_extents.y,
-                   std::fabs(dot(box.axes[2], d)) - box.half_extents.z});
+double beyond(const OrientedBox& box, const Vector3d& p) {
+  return ((box.axes.transpose() * (p - box.center)).cwiseAbs() - box.half_extents).maxCoeff();
 }
 
 void expect_valid(const OrientedBox& box) {
-  for (const Vec3& axis : box.axes) EXPECT_NEAR(norm(axis), 1, 1e-14);
-  EXPECT_NEAR(dot(cross(box.axes[0], box.axes[1]), box.axes[2]), 1, 1e-13) << "right-handed";
-  EXPECT_GE(std::min({box.half_extents.x, box.half_extents.y, box.half_extents.z}), 0);
+  EXPECT_TRUE((box.axes.transpose() * box.axes).isIdentity(1e-13));
+  EXPECT_NEAR(box.axes.determinant(), 1, 1e-13) << "right-handed";
+  EXPECT_GE(box.half_extents.minCoeff(), 0);
 }
 
 /// A solid box of 1.2 m x 0.6 m x 0.2 m, sampled evenly up to its corners.
 struct Solid {
-  Vec3 center{0.3, -2, 5};
-  std::array<Vec3, 3> axes = {unit({2, 1, 2}), unit({-2, 2, 1}), unit({-1, -2, 2})};
-  Vec3 half{0.6, 0.3, 0.1};
+  Vector3d center{0.3, -2, 5};
+  Eigen::Matrix3d axes{{2.0 / 3, -2.0 / 3, -1.0 / 3}, {1.0 / 3, 2.0 / 3, -2.0 / 3}, {2.0 / 3, 1.0 / 3, 2.0 / 3}};
+  Vector3d half{0.6, 0.3, 0.1};
 
   Cloud cloud() const {
     Cloud cloud = test::unorganized();
     for (int i = -12; i <= 12; ++i) {
       for (int j = -6; j <= 6; ++j) {
         for (int k = -2; k <= 2; ++k) {
-          const Vec3 p = center + (half.x * i / 12) * axes[0] + (half.y * j / 6) * axes[1] + (half.z * k / 2) * axes[2];
+          const Vector3d p = center + axes * half.cwiseProduct(Vector3d(i / 12.0, j / 6.0, k / 2.0));
           add(cloud, p, pack_rgb(200, static_cast<std::uint8_t>(100 + k), static_cast<std::uint8_t>(50 + i)));
         }
       }
@@ -75,9 +76,9 @@ TEST(SegmentStatistics, OfARotatedBoxAreItsOwn) {
   expect_near(got.centroid, solid.center, 1e-6);
   expect_near(got.box.center, solid.center, 1e-6);
   expect_near(got.box.half_extents, solid.half, 1e-6);
-  expect_near(got.box.axes[0], solid.axes[0], 1e-6);
-  expect_near(got.box.axes[1], -solid.axes[1], 1e-6);  // the largest component of an axis is positive ..
-  expect_near(got.box.axes[2], -solid.axes[2], 1e-6);  // .. and the third makes them right-handed
+  expect_near(got.box.axes.col(0), solid.axes.col(0), 1e-6);
+  expect_near(got.box.axes.col(1), -solid.axes.col(1), 1e-6);  // the largest component of an axis is positive ..
+  expect_near(got.box.axes.col(2), -solid.axes.col(2), 1e-6);  // .. and the third makes them right-handed
   expect_valid(got.box);
   ASSERT_TRUE(got.color);
   expect_near(*got.color, {200, 100, 50}, 1e-12);
@@ -97,10 +98,10 @@ TEST(SegmentStatistics, AreOfEachSegmentAndOfNoPointWithoutOne) {
   EXPECT_EQ(got[0].points, 4U);
   expect_near(got[0].centroid, {0.375, 0, 1}, 1e-9);
   expect_near(got[0].box.half_extents, {0.375, 0, 0}, 1e-9);
-  EXPECT_EQ(got[0].color, (Vec3{10, 20, 30}));
+  EXPECT_EQ(got[0].color, (Vector3d{10, 20, 30}));
   EXPECT_EQ(got[1].points, 1U);
-  EXPECT_EQ(got[1].centroid, (Vec3{5, 6, 7}));
-  EXPECT_EQ(got[1].color, (Vec3{1, 2, 3}));
+  EXPECT_EQ(got[1].centroid, (Vector3d{5, 6, 7}));
+  EXPECT_EQ(got[1].color, (Vector3d{1, 2, 3}));
 }
 
 TEST(SegmentStatistics, OfDegenerateSegmentsHaveABox) {
@@ -111,21 +112,21 @@ TEST(SegmentStatistics, OfDegenerateSegmentsHaveABox) {
   for (int i = 0; i < 100; ++i) add(plane, {0.5 * (i % 10), 0.25 * (i / 10), 3});  // NOLINT(bugprone-integer-division)
 
   const SegmentStatistics of_one = describe_all(one), of_same = describe_all(same);
-  EXPECT_EQ(of_one.box, (OrientedBox{.center = {1, 2, 3}, .half_extents = {}}));
-  EXPECT_EQ(of_one.centroid, (Vec3{1, 2, 3}));
+  EXPECT_EQ(of_one.box, (OrientedBox{.center = {1, 2, 3}}));
+  EXPECT_EQ(of_one.centroid, (Vector3d{1, 2, 3}));
   EXPECT_EQ(of_same.points, 7U);
   EXPECT_EQ(of_same.box.center, point(same, 0));
-  EXPECT_EQ(of_same.box.half_extents, Vec3{});
+  EXPECT_EQ(of_same.box.half_extents, Vector3d::Zero());
 
   const SegmentStatistics of_line = describe_all(line);
   expect_valid(of_line.box);
-  expect_near(of_line.box.axes[0], unit({4, -2, 1}), 1e-7);
-  expect_near(of_line.box.half_extents, {0.5 * norm({4, -2, 1}), 0, 0}, 1e-6);
+  expect_near(of_line.box.axes.col(0), Vector3d(4, -2, 1).normalized(), 1e-7);
+  expect_near(of_line.box.half_extents, {0.5 * Vector3d(4, -2, 1).norm(), 0, 0}, 1e-6);
 
   const SegmentStatistics of_plane = describe_all(plane);
   expect_valid(of_plane.box);
   expect_near(of_plane.box.half_extents, {2.25, 1.125, 0}, 1e-9);
-  expect_near(of_plane.box.axes[2], {0, 0, 1}, 1e-9);
+  expect_near(of_plane.box.axes.col(2), {0, 0, 1}, 1e-9);
 }
 
 TEST(SegmentStatistics, HoldAtAnyScaleAndPlace) {
@@ -137,7 +138,7 @@ TEST(SegmentStatistics, HoldAtAnyScaleAndPlace) {
     }
     const SegmentStatistics got = describe_all(cloud);
     expect_near(got.box.half_extents, scale * solid.half, 1e-6 * scale);
-    expect_near(got.box.axes[0], solid.axes[0], 1e-6);
+    expect_near(got.box.axes.col(0), solid.axes.col(0), 1e-6);
     expect_near(got.centroid, scale * solid.center, 1e-6 * scale);
   }
 }
@@ -170,7 +171,7 @@ TEST(SegmentStatistics, OfLabelsThatDoNotFitAreAnError) {
 
 TEST(SetNormals, TakesTheDirectionOfTheSum) {
   std::vector<SegmentStatistics> segments(3);
-  set_normals(std::vector<Vec3>{{0, 0, 3}, {0, 4, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {9, 9, 9}},
+  set_normals(std::vector<Vector3d>{{0, 0, 3}, {0, 4, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {9, 9, 9}},
               std::vector<std::uint32_t>{1, 1, 2, 2, 3, 4}, segments);
   ASSERT_TRUE(segments[0].normal);
   expect_near(*segments[0].normal, {0, 0.8, 0.6}, 1e-15);
@@ -214,7 +215,7 @@ TEST_F(Described, TheSegmentsAreThoseOfTheResult) {
     points += segment.points;
     expect_valid(segment.box);
     EXPECT_LE(beyond(segment.box, segment.centroid), 1e-9);
-    EXPECT_NEAR(norm(segment.normal.value_or(Vec3{1, 0, 0})), 1, 1e-14);
+    EXPECT_NEAR(segment.normal.value_or(Vector3d::UnitX()).norm(), 1, 1e-14);
   }
   EXPECT_EQ(points, s.segmented_points);
 }
@@ -222,8 +223,8 @@ TEST_F(Described, TheSegmentsAreThoseOfTheResult) {
 TEST_F(Described, TheLargestSegmentFacesTheCamera) {
   const SegmentStatistics& table = segmentation().statistics.at(0);
   ASSERT_TRUE(table.normal);
-  EXPECT_LT(dot(*table.normal, table.centroid), 0);
-  EXPECT_GT(std::fabs(dot(*table.normal, table.box.axes[2])), 0.99) << "a plane: its normal is the thinnest axis";
+  EXPECT_LT(table.normal->dot(table.centroid), 0);
+  EXPECT_GT(std::fabs(table.normal->dot(table.box.axes.col(2))), 0.99) << "a plane: its normal is the thinnest axis";
 }
 
 TEST_F(Described, NeitherTheOrderOfThePointsNorThreadsMatter) {
@@ -248,15 +249,36 @@ TEST_F(Described, TheBytesAreTheSameOnEveryCpu) {
       hash = (hash ^ (std::bit_cast<std::uint64_t>(value) >> (8 * i) & 0xffU)) * 0x100000001b3ULL;
     }
   };
-  const auto add_vec = [&add](const Vec3& v) { add(v.x), add(v.y), add(v.z); };
+  const auto add_vec = [&add](const Vector3d& v) { add(v.x()), add(v.y()), add(v.z()); };
   for (const SegmentStatistics& s : segmentation().statistics) {
     add(s.points);
-    for (const Vec3& v : {s.centroid, s.box.center, s.box.axes[0], s.box.axes[1], s.box.axes[2], s.box.half_extents,
-                          s.color.value_or(Vec3{}), s.normal.value_or(Vec3{})}) {
-      add_vec(v);
+    add_vec(s.centroid), add_vec(s.box.center);
+    for (int k = 0; k < 3; ++k) add_vec(s.box.axes.col(k));
+    add_vec(s.box.half_extents), add_vec(s.color.value_or(Vector3d::Zero())),
+        add_vec(s.normal.value_or(Vector3d::Zero()));
+  }
+  EXPECT_EQ(hash, 0x86cd68b5954bc8a3ULL);
+}
+
+TEST(DescribeSegments, IsCompleteOrStopped) {
+  const std::uint32_t segments = kMostDescribedSegments;
+  const Cloud cloud = test::random_cloud(segments, 10, 0, View::world());
+  std::vector<std::uint32_t> labels(segments);
+  std::iota(labels.begin(), labels.end(), 1U);
+  const auto expected = describe_segments(cloud, labels, segments).value();
+  bool stopped = true;
+  for (std::uint64_t n = 1; stopped; ++n) {
+    std::atomic<bool> cancelled = false;
+    std::uint64_t looks = 0;
+    WorkMeter meter([&](std::uint64_t) { cancelled = cancelled || ++looks == n; });
+    const auto got = describe_segments(cloud, labels, segments, 1, StopToken(&cancelled, std::nullopt, &meter));
+    stopped = cancelled;
+    if (got.ok()) {
+      EXPECT_EQ(*got, expected) << "look " << n;
+    } else {
+      EXPECT_EQ(got.status().code(), absl::StatusCode::kCancelled) << "look " << n;
     }
   }
-  EXPECT_EQ(hash, 0x5c4b5cc3b4e83dd9ULL);
 }
 
 TEST(Describe, LooksAtTheLargestSegmentsOnly) {

@@ -42,7 +42,8 @@ Removed removed(const CloudView& cloud, const std::vector<std::uint32_t>& truth,
     Share& share = truth[i] == kSupport ? support : object ? objects : other;
     const double gone = s.labels[i] == 0 ? 1 : 0;
     share.removed += gone, share.all += 1;
-    const double height = dot(s.support_plane->normal, {cloud.x[i], cloud.y[i], cloud.z[i]}) - s.support_plane->offset;
+    const double height =
+        s.support_plane->normal.dot(Eigen::Vector3d(cloud.x[i], cloud.y[i], cloud.z[i])) - s.support_plane->offset;
     const double scale = cloud.view.kind == ViewKind::kCamera ? cloud.z[i] : 1;
     if (object && height > 1.2 * distance * scale) high.removed += gone, high.all += 1;
   }
@@ -60,8 +61,8 @@ TEST_P(Tabletop, LosesItsTableAndKeepsItsObjects) {
     EXPECT_LE(r.objects, 0.13) << "the feet of objects and flat objects are within the distance";
     EXPECT_LE(r.high_objects, 0.002);
     EXPECT_LE(r.other, 0.002);
-    EXPECT_NEAR(norm(s.support_plane->normal), 1, 1e-12);
-    EXPECT_LT(s.support_plane->normal.z, 0) << "towards the camera";
+    EXPECT_NEAR(s.support_plane->normal.norm(), 1, 1e-12);
+    EXPECT_LT(s.support_plane->normal.z(), 0) << "towards the camera";
   }
 }
 
@@ -82,7 +83,7 @@ TEST(SupportPlane, IsTheLargestBelowACameraThatLooksStraightDown) {
   test::add_patch(cloud, -0.3F, -0.3F, 1, 0.6F, 0.005F, 0x808080);
   test::add_patch(cloud, -0.1F, -0.1F, 0.9F, 0.2F, 0.005F, 0xff0000);
   const Segmentation s = *segment(cloud, removal());
-  EXPECT_NEAR(s.support_plane->normal.z, -1, 1e-6);
+  EXPECT_NEAR(s.support_plane->normal.z(), -1, 1e-6);
   EXPECT_NEAR(s.support_plane->offset, -1, 1e-4);
   EXPECT_EQ(s.segments, 1U);
 }
@@ -112,7 +113,7 @@ TEST(SupportPlane, IsTheFloorOfARoom) {
   for (const bool with_sensor : {true, false}) {
     if (!with_sensor) scene.cloud.view = View::world();
     const Segmentation s = *segment(scene.cloud, options);
-    EXPECT_GT(s.support_plane->normal.z, 0.999);
+    EXPECT_GT(s.support_plane->normal.z(), 0.999);
     EXPECT_NEAR(s.support_plane->offset, 0, 0.005);
     const Removed r = removed(scene.cloud, scene.label, s, 0.02);
     EXPECT_GE(r.support, 0.97);
@@ -184,7 +185,7 @@ Cloud floor_and_wall(const View& view) {
 TEST(SupportPlane, FacesUpInAWorldViewThoughAWallIsLarger) {
   for (const View& view : {View::world(0.5F, -1, 1.5F), View::world()}) {
     const Segmentation s = *segment(floor_and_wall(view), removal());
-    EXPECT_NEAR(s.support_plane->normal.z, 1, 1e-6);
+    EXPECT_NEAR(s.support_plane->normal.z(), 1, 1e-6);
     EXPECT_NEAR(s.support_plane->offset, 0.3, 1e-4);
     EXPECT_NEAR(static_cast<double>(s.support_plane->points), 40000, 600) << "the foot of the wall belongs to it";
     EXPECT_TRUE(std::all_of(s.labels.end() - 800, s.labels.end(), [](std::uint32_t label) { return label > 0; }))
@@ -244,7 +245,7 @@ TEST(SupportPlane, IsAsExactFarFromTheOrigin) {
   }
   const SupportPlane there = *segment(far, removal())->support_plane;
   EXPECT_EQ(there.points, segment(near, removal())->support_plane->points);
-  EXPECT_NEAR(there.normal.z, 1, 1e-12);
+  EXPECT_NEAR(there.normal.z(), 1, 1e-12);
   EXPECT_NEAR(there.offset, 256, 1e-9);
 }
 

@@ -111,7 +111,7 @@ TEST(PointsLeftOut, ByTheRangeFromACameraHaveNoInfluence) {
 TEST(PointsLeftOut, ByBoxAndRangeInARoomHaveNoInfluence) {
   const Cloud cloud = synth::make_fused_room({.seed = 3, .points = 60000})->cloud;
   ASSERT_TRUE(cloud.view.sensor.has_value());
-  const std::array<float, 3> sensor = *cloud.view.sensor;
+  const Eigen::Vector3f sensor = *cloud.view.sensor;
   const Cloud rest = without(cloud, [&](double x, double y, double z) {
     const double dx = x - sensor[0], dy = y - sensor[1], dz = z - sensor[2];
     return z >= 0.05 && dx * dx + dy * dy + dz * dz <= 1.5 * 1.5;

@@ -74,8 +74,7 @@ TEST_P(PclOracle, PclReadsWhatWeWrite) {
   ASSERT_EQ(::pcl::io::loadPCDFile(path_, labelled), 0);
   expect_pcl_has(labelled, sample.cloud);
   for (std::size_t i = 0; i < labelled.size(); ++i) EXPECT_EQ(labelled[i].label, sample.label[i]) << i;
-  const auto& [x, y, z] = *sample.cloud.view.sensor;
-  EXPECT_EQ(labelled.sensor_origin_, Eigen::Vector4f(x, y, z, 0));
+  EXPECT_EQ(labelled.sensor_origin_.head<3>(), *sample.cloud.view.sensor);
   EXPECT_TRUE(labelled.sensor_orientation_.isApprox(Eigen::Quaternionf::Identity()));
 }
 
@@ -100,8 +99,7 @@ template <typename PointT>
     cloud[i].z = sample.cloud.z[i];
     cloud[i].rgba = 0xFF000000U | sample.cloud.rgb[i];
   }
-  const auto& [x, y, z] = *sample.cloud.view.sensor;
-  cloud.sensor_origin_ = Eigen::Vector4f(x, y, z, 0);
+  cloud.sensor_origin_.head<3>() = *sample.cloud.view.sensor;
   return cloud;
 }
 
