@@ -14,7 +14,6 @@
 
 #include "absl/strings/cord.h"
 #include "core/codec/common/text_parsing.hpp"
-#include "core/codec/ply/ply_header.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"
 

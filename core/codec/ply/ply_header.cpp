@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/codec/common/text_parsing.hpp"
+#include "segserve/codec/ply.hpp"
 
 namespace segserve::codec {
 namespace {

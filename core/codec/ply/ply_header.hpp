@@ -41,9 +41,6 @@ struct PlyHeader {
   std::size_t body_line = 1;    ///< number of the body's first line
 };
 
-/// True if the first line is PLY's magic word.
-bool is_ply(std::string_view file);
-
 /// INVALID_ARGUMENT with the line and the fault.
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view file, const DecodeLimits& limits);
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
@@ -14,6 +15,9 @@
 namespace segserve::codec {
 
 enum class PlyEncoding : std::uint8_t { kAscii, kBinaryLittleEndian };
+
+/// True if the first line of the file is PLY's magic word.
+bool is_ply(std::string_view file);
 
 /// Reads the `vertex` element of a PLY 1.0 file (ascii, binary of either byte order) from
 /// untrusted bytes; other elements and properties, lists too, are skipped.
