@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -7,44 +8,43 @@
 
 namespace segserve::synth {
 
-/// Where things stand: keeps them from intersecting each other. Each thing is taken for the upright
-/// box around it, turned about the vertical.
+/// The places that are occupied, so that things do not intersect. Each thing counts as the upright box around it,
+/// rotated about the vertical.
 class Arrangement {
  public:
   /// The upright box around a thing.
   struct Footprint {
-    double x = 0, y = 0;            ///< centre, metres
-    double turns = 0;               ///< about the vertical, of 360 degrees
-    double half_x = 0, half_y = 0;  ///< along its own axes
-    double bottom = 0, top = 0;     ///< heights
+    double x = 0, y = 0;            ///< Its center, in meters.
+    double turns = 0;               ///< Rotation about the vertical, in full turns.
+    double half_x = 0, half_y = 0;  ///< Half extents along its own axes, in meters.
+    double bottom = 0, top = 0;     ///< Heights above z = 0, in meters.
   };
 
-  /// True if nothing is closer to the footprint than `gap` metres.
-  bool free(const Footprint& footprint, double gap) const;
-  void occupy(const Footprint& footprint) { taken_.push_back(footprint); }
-  const std::vector<Footprint>& taken() const { return taken_; }
+  /// True if nothing is closer to the footprint than `gap` meters, measured horizontally.
+  bool is_free(const Footprint& footprint, double gap) const;
+  void occupy(const Footprint& footprint) { occupied_.push_back(footprint); }
+  const std::vector<Footprint>& occupied() const { return occupied_; }
 
  private:
-  std::vector<Footprint> taken_;
+  std::vector<Footprint> occupied_;
 };
 
-/// An area of a support on which objects can be put: an upright rectangle's ground.
+/// A horizontal rectangle on which objects can be placed.
 struct Shelf {
-  Pose pose;                ///< its centre; x and y span it, z points up
-  double half_x, half_y;    ///< metres; objects stay within
-  double clearance = 1e30;  ///< free height above it, metres
+  Pose pose;                ///< Its origin is the center; x and y span the rectangle, z points up.
+  double half_x, half_y;    ///< Half extents in meters; objects stay within them.
+  double clearance = 1e30;  ///< Free height above it, in meters.
 };
 
-/// How objects are put.
-struct Habits {
-  double gap = 0.02;   ///< least distance between things, metres
-  double stacked = 0;  ///< share of the objects that are put on others
+/// How objects are placed.
+struct PlacementOptions {
+  double gap = 0.02;   ///< Least horizontal distance between things, in meters.
+  double stacked = 0;  ///< Share of the objects that are placed on others, [0, 1].
 };
 
-/// Puts up to `count` random objects on the shelf (or on one another), none intersecting anything,
-/// and appends their solids to the world. Labels count up from `label` in steps of 10; returns the
-/// next free label.
-std::uint32_t put_objects(std::uint32_t count, const Shelf& shelf, const Habits& habits, std::uint32_t label,
-                          Random& random, Arrangement& arrangement, World& world);
+/// Places up to `count` random objects on the shelf, or on one another, so that none intersects anything, and appends
+/// their solids to the world. Labels count up from `label` in steps of 10. Returns the next free label.
+std::uint32_t place_objects(std::uint32_t count, const Shelf& shelf, const PlacementOptions& options,
+                            std::uint32_t label, Random& random, Arrangement& arrangement, World& world);
 
 }  // namespace segserve::synth

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -8,11 +9,11 @@
 
 namespace segserve::synth {
 
-/// The colour camera: soft optics, darker corners, a little noise; none of them with noise 0.
+/// The color camera: soft optics, darker corners and a little noise. With noise 0 it has none of them.
 struct ColorSensor {
-  double noise = 1;  ///< times the usual noise
+  double noise = 1;  ///< Factor on the usual noise.
 
-  /// Colours (sRGB, 0 to 1, row by row) as 0x00RRGGBB.
+  /// Records an image whose colors (sRGB, 0 to 1) are given row by row, as 0x00RRGGBB.
   std::vector<std::uint32_t> record(std::uint32_t width, std::uint32_t height, const std::vector<Vec3>& color,
                                     Random& random) const;
 };

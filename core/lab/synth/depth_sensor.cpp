@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/depth_sensor.hpp"
 
 #include <algorithm>
@@ -8,11 +9,10 @@
 namespace segserve::synth {
 namespace {
 
-// Relative step of depth between neighbours that counts as an edge of a silhouette.
-constexpr double kEdge = 0.015;
+constexpr double kEdge = 0.015;  // relative step of depth between neighbors at a silhouette
 
-// The correlation window of the sensor sees either side of a silhouette: borders fray by a pixel or
-// so. Moves depth and label of the neighbour over the border.
+/// The correlation window of the sensor sees both sides of a silhouette, so that borders fray by about a pixel. This
+/// moves depth and label of a neighbor across the border.
 void fray_borders(DepthImage& image, double noise, std::uint64_t seed) {
   const auto w = static_cast<std::int64_t>(image.width);
   const auto h = static_cast<std::int64_t>(image.height);
@@ -37,8 +37,8 @@ void fray_borders(DepthImage& image, double noise, std::uint64_t seed) {
   }
 }
 
-// What the camera sees and the projector does not: each row is resampled at the projector's columns,
-// where the largest disparity wins.
+/// Finds the pixels that the camera sees and the projector does not: each row is resampled at the columns of the
+/// projector, where the largest disparity wins.
 class ProjectorShadow {
  public:
   ProjectorShadow(const DepthImage& image, double focal_times_baseline)
@@ -86,7 +86,7 @@ void cut_shadow(DepthImage& image, double focal_times_baseline) {
   }
 }
 
-// The pattern is lost on surfaces that the rays only graze, in blotches rather than single pixels.
+/// The pattern is lost on surfaces that the rays only graze, in patches rather than single pixels.
 void cut_grazing(DepthImage& image, std::uint64_t seed) {
   for (std::uint32_t v = 0; v < image.height; ++v) {
     for (std::uint32_t u = 0; u < image.width; ++u) {
@@ -97,7 +97,7 @@ void cut_grazing(DepthImage& image, std::uint64_t seed) {
   }
 }
 
-// A few spots without depth: glints and dark dots, where they fall.
+/// Adds a few spots without depth, like those of glints and dark dots, at random places.
 void cut_spots(DepthImage& image, Random& random) {
   const std::uint32_t count = 1 + random.below(4);
   for (std::uint32_t spot = 0; spot < count; ++spot) {
@@ -114,8 +114,8 @@ void cut_spots(DepthImage& image, Random& random) {
   }
 }
 
-// A field of unit variance whose values resemble each other over a few pixels: the sensor matches
-// windows of its pattern, not pixels.
+/// Noise of unit variance that is correlated over a few pixels, because the sensor matches windows of its pattern, not
+/// pixels.
 class CorrelatedNoise {
  public:
   CorrelatedNoise(std::uint32_t width, std::uint32_t height, Random& random)
@@ -129,7 +129,7 @@ class CorrelatedNoise {
     const double sv = kBlend[v % kCell];
     const double low = cell[0] + (cell[1] - cell[0]) * su;
     const double high = cell[across_] + (cell[across_ + 1] - cell[across_]) * su;
-    constexpr double kUnitVariance = 1.354;  // of the blend: 1 / mean of (s^2 + (1 - s)^2) over kBlend
+    constexpr double kUnitVariance = 1.354;  // 1 / mean of (s^2 + (1 - s)^2) over kBlend
     return kUnitVariance * (low + (high - low) * sv);
   }
 
@@ -140,8 +140,8 @@ class CorrelatedNoise {
   std::vector<double> value_;
 };
 
-// Axial noise, then the steps of an eighth of a pixel of disparity. The shares of correlated and of
-// white noise are those measured on the tables of OSD's scenes (second differences at several lags).
+/// Adds axial noise, then quantizes disparity to eighths of a pixel. The shares of correlated and of white noise were
+/// measured on the tables of OSD's scenes (second differences at several lags).
 void add_noise(DepthImage& image, double noise, double focal_times_baseline, Random& random) {
   constexpr double kCorrelated = 0.9, kWhite = 0.25;
   constexpr double kStepsPerPixel = 8;
@@ -169,7 +169,7 @@ void DepthSensor::measure(DepthImage& image, Random& random) const {
     cut_grazing(image, seed + 2);
     cut_spots(image, random);
   }
-  // Disparity is measured on a sensor of 640 columns whatever the picture's size: 525 pixels of focal length.
+  // The noise is that of a sensor with 640 columns (focal length 525 pixels), whatever the size of the image.
   if (noise > 0) add_noise(image, noise, 525 * baseline, random);
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
@@ -7,16 +8,16 @@
 
 namespace segserve::synth {
 
-/// A piece of furniture in its own frame: it stands on z = 0, its back towards -y.
+/// A piece of furniture in its own frame: it stands on z = 0, and its back faces -y.
 struct Furniture {
-  Household body;
-  std::vector<Shelf> shelves;  ///< where objects can be put, in the same frame
+  HouseholdObject body;
+  std::vector<Shelf> shelves;  ///< Where objects can be put, in the frame of the furniture.
 };
 
 Furniture random_table(Random& random);
-Furniture random_chair(Random& random);      ///< four thin legs, a seat, a back
-Furniture random_bookcase(Random& random);   ///< open boards on several heights
-Furniture random_sideboard(Random& random);  ///< a closed body with doors
+Furniture random_chair(Random& random);      ///< Four thin legs, a seat and a back.
+Furniture random_bookcase(Random& random);   ///< Open boards at several heights.
+Furniture random_sideboard(Random& random);  ///< A closed body with doors.
 Furniture random_armchair(Random& random);
 
 }  // namespace segserve::synth

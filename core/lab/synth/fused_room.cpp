@@ -1,8 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "core/lab/synth/depth_sensor.hpp"
+#include "core/lab/synth/packed_color.hpp"
 #include "core/lab/synth/ray_caster.hpp"
 #include "core/lab/synth/room_scene.hpp"
 #include "core/lab/synth/scene.hpp"
@@ -11,15 +14,13 @@
 namespace segserve::synth {
 namespace {
 
-constexpr double kNear = 0.4, kRange = 4.0;  // metres of depth that a Kinect measures
+constexpr double kNear = 0.4, kRange = 4.0;  // range of a Kinect: depth in meters
 constexpr double kRaysPerPoint = 6;
-constexpr double kFramesPerView = 16;  // frames that a view stands for: noise falls by their root
+constexpr double kFramesPerView = 16;  // A view stands for so many frames; averaging divides noise by the root.
 constexpr double kGrazing = 0.15;      // least cosine of incidence that is measured
-constexpr double kSurplus = 1.1;       // cells aimed at per point wanted; what is over is thinned out
+constexpr double kSurplus = 1.1;       // cells per wanted point; surplus cells are dropped
 
-std::uint8_t level(double value) { return static_cast<std::uint8_t>(std::clamp(255 * value + 0.5, 0.0, 255.0)); }
-
-// Scans the room: the same room and number of points give the same rays, whatever the grid.
+/// Scans the room. The rays depend only on the room and the number of points, not on the grid.
 class Scanner {
  public:
   Scanner(const RoomScene& room, double noise, std::uint64_t seed)
@@ -48,7 +49,7 @@ class Scanner {
   }
 
  private:
-  // Rays are spread at random within their pixels: no pattern of pixels shows in the cloud.
+  // Rays are spread at random within their pixels, so that the cloud shows no pattern of pixels.
   void scan_view(const Camera& view, Random& random, SurfaceGrid& grid) const {
     const RayCaster caster(room_.world, view, kRange);
     for (std::uint32_t row = 0; row < view.height; ++row) {
@@ -57,27 +58,26 @@ class Scanner {
         const double v = row + random.uniform(-0.5, 0.5);
         const double error = random.gaussian();
         const Hit hit = caster.cast(u, v);
-        if (hit.any() && hit.depth > kNear) fuse(caster, u, v, hit, error, grid);
+        if (hit.exists() && hit.depth > kNear) fuse(caster, u, v, hit, error, grid);
       }
     }
   }
 
   void fuse(const RayCaster& caster, double u, double v, const Hit& hit, double error, SurfaceGrid& grid) const {
     const Pose& pose = caster.camera().pose;
-    const Vec3 ray = pose.direction_out(caster.camera().ray(u, v));
+    const Vec3 ray = pose.rotate_to_parent(caster.camera().ray(u, v));
     const Vec3 point = pose.origin + hit.depth * ray;
     const Surface surface = caster.surface(u, v, hit);
     const double facing = dot(ray, surface.normal);
     if (facing * facing < kGrazing * kGrazing * dot(ray, ray)) return;
     const Solid& solid = room_.world[hit.solid];
-    SurfaceGrid::Cell& cell = grid.cell(point);
+    SurfaceGrid::Cell& cell = grid.find_or_add(point);
     if (cell.weight == 0) {
       cell.label = solid.label;
-      const Vec3 c =
-          lighting_.shade(color_at(solid.texture, surface), surface.normal, shadow_.lit(point, surface.normal));
-      cell.rgb = pack_rgb(level(c.x), level(c.y), level(c.z));
+      cell.rgb = packed_color(
+          lighting_.shade(color_at(solid.texture, surface), surface.normal, shadow_.lit_share(point, surface.normal)));
     }
-    if (cell.label != solid.label) return;  // the cell belongs to what was seen in it first
+    if (cell.label != solid.label) return;  // A cell keeps the label of the surface that was seen in it first.
     constexpr double kDamping = 0.25;       // 1 / sqrt(kFramesPerView)
     static_assert(kDamping * kDamping * kFramesPerView == 1);
     const double depth = hit.depth + noise_ * kDamping * axial_noise(hit.depth) * error;
@@ -91,8 +91,8 @@ class Scanner {
   Lighting lighting_;
 };
 
-// The spacing at which a scan of so many points fills `kSurplus` cells per point, found on a thin
-// scan: with rays in proportion to points, cells scale with the inverse square of the spacing.
+/// The spacing at which a scan for so many points fills `kSurplus` cells per point, found with a scan for few points:
+/// as rays are proportional to points, the number of cells is proportional to the inverse square of the spacing.
 double find_spacing(const Scanner& scanner, double points) {
   const double few = std::clamp(points / 64, 1000.0, 20000.0);
   double low = 1e-3, high = 1;
@@ -104,7 +104,7 @@ double find_spacing(const Scanner& scanner, double points) {
   return low * std::sqrt(few / points);
 }
 
-// Exactly `points` of the cells, chosen by the hash of their place; order of first sight.
+/// The points of exactly `points` cells, chosen by the hash of their position, in the order in which they were found.
 SyntheticScene to_cloud(const SurfaceGrid& grid, std::uint32_t points, const View& view) {
   const auto& cells = grid.cells();
   std::vector<std::uint64_t> rank(cells.size());
@@ -140,12 +140,12 @@ View mean_view(const RoomScene& room) {
 }  // namespace
 
 absl::StatusOr<SyntheticScene> make_fused_room(const RoomOptions& options) {
-  if (const absl::Status status = check(options); !status.ok()) return status;
+  RETURN_IF_ERROR(check(options));
   const RoomScene room = arrange_room(options);
   const Scanner scanner(room, options.noise, mix(options.seed) + 2);
   double spacing = find_spacing(scanner, options.points);
   SurfaceGrid grid = scanner.scan(options.points, spacing);
-  while (grid.cells().size() < options.points) {  // the thin scan misjudged: finer cells are more cells
+  while (grid.cells().size() < options.points) {  // The estimate was too coarse; finer cells are more cells.
     spacing *= 0.95;
     grid = scanner.scan(options.points, spacing);
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
@@ -6,16 +7,16 @@
 
 namespace segserve::synth {
 
-/// An object in its own frame: it stands on z = 0 about the z axis.
-struct Household {
-  std::vector<Solid> parts;       ///< labels are given when the object is placed
-  double half_x = 0, half_y = 0;  ///< half edges of the rectangle it covers, metres
-  double height = 0;
-  double top_x = 0, top_y = 0;  ///< half edges of the flat rectangle on top of it; 0: nothing can stand there
+/// An object in its own frame: it stands on z = 0, centered on the z axis.
+struct HouseholdObject {
+  std::vector<Solid> parts;       ///< Their labels are set when the object is placed.
+  double half_x = 0, half_y = 0;  ///< Half edges of the rectangle that it covers, in meters.
+  double height = 0;              ///< Meters.
+  double top_x = 0, top_y = 0;    ///< Half edges of the flat rectangle on its top; 0 if nothing can stand there.
 };
 
-/// A random household object, 4 to 30 cm large (a pan with its handle 40), standing or lying: boxes, books, cans, tins,
-/// bottles, mugs, bowls, balls, fruit, flowerpots, cones, tape rolls, pans, candlesticks, poles.
-Household random_household(Random& random);
+/// A random household object, standing or lying, 4 to 30 cm large (up to 40 cm for a pan with its handle): boxes,
+/// books, cans, tins, bottles, mugs, bowls, balls, fruit, flowerpots, cones, tape rolls, pans, candlesticks, poles.
+HouseholdObject random_household_object(Random& random);
 
 }  // namespace segserve::synth

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/lighting.hpp"
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 namespace segserve::synth {
 namespace {
 constexpr std::uint32_t kMapSize = 384;  // pixels
-constexpr int kSoftness = 3;             // pixels around, of the neighbourhood that is compared
+constexpr int kSoftness = 3;             // pixels on each side of the neighborhood that is compared
 }  // namespace
 
 ShadowMap::ShadowMap(const World& world, const Vec3& from, const Vec3& to, double radius)
@@ -18,10 +19,11 @@ ShadowMap::ShadowMap(const World& world, const Vec3& from, const Vec3& to, doubl
   }
 }
 
-double ShadowMap::lit(const Vec3& point, const Vec3& normal) const {
-  // A texel covers a patch of the surface: moved outwards by more than that, it does not shade itself.
-  const double distance = camera_.pose.point_in(point).z;
-  const Vec3 p = camera_.pose.point_in(point + (1.6 * distance / camera_.focal) * normal);
+double ShadowMap::lit_share(const Vec3& point, const Vec3& normal) const {
+  // A texel covers a patch of the surface. The point is moved outwards by more than that, so that the surface does not
+  // shade itself.
+  const double distance = camera_.pose.to_local(point).z;
+  const Vec3 p = camera_.pose.to_local(point + (1.6 * distance / camera_.focal) * normal);
   if (p.z <= 0) return 1;
   const double u = camera_.center_u + camera_.focal * p.x / p.z;
   const double v = camera_.center_v + camera_.focal * p.y / p.z;
@@ -32,7 +34,7 @@ double ShadowMap::lit(const Vec3& point, const Vec3& normal) const {
   const auto depth = static_cast<float>(p.z * (1 - 0.6 / camera_.focal));
   const double fu = u - i;
   const double fv = v - j;
-  // A box filter whose border texels count by how much the box covers them: smooth, without steps.
+  // A box filter. Texels on its border count by the share that the box covers, so that shadows have no steps.
   double sum = 0;
   for (int dj = -kSoftness; dj <= kSoftness + 1; ++dj) {
     const double wv = dj == -kSoftness ? 1 - fv : dj == kSoftness + 1 ? fv : 1;

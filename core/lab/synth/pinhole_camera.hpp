@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ struct Camera {
   Vec3 ray(double u, double v) const { return {(u - center_u) / focal, (v - center_v) / focal, 1}; }
 };
 
-/// A camera at `from` that has `to` in its centre and the horizon level; not straight up or down.
+/// A camera at `from` that looks at `to` with a level horizon. It must not look straight up or down.
 inline Camera look_at(const Vec3& from, const Vec3& to, double focal, std::uint32_t width, std::uint32_t height) {
   const Vec3 forward = unit(to - from);
   const Vec3 right = unit(cross(forward, {0, 0, 1}));

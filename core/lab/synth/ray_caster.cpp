@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/ray_caster.hpp"
 
 #include <algorithm>
@@ -8,13 +9,13 @@ namespace segserve::synth {
 namespace {
 
 constexpr std::uint32_t kTile = 16;  // pixels
-constexpr double kNearest = 1e-3;    // metres; nothing is seen closer than this
+constexpr double kNearest = 1e-3;    // meters; closer surfaces are not seen
 
 struct Interval {
   double low, high;
 };
 
-// Range of x / z over a sphere in front of the camera: the two tangents from the origin.
+/// The range of x / z over a sphere in front of the camera, from its two tangents through the origin.
 Interval slopes(double x, double z, double radius) {
   const double square = z * z - radius * radius;
   const double root = radius * std::sqrt(std::max(0.0, x * x + square));
@@ -33,12 +34,12 @@ RayCaster::RayCaster(const World& world, const Camera& camera, double range)
   for (const Solid& solid : world) {
     const Sphere sphere = bounding_sphere(solid.shape);
     Candidate c;
-    c.origin = solid.pose.point_in(camera.pose.origin);
-    c.right = solid.pose.direction_in(camera.pose.x);
-    c.down = solid.pose.direction_in(camera.pose.y);
-    c.ahead = solid.pose.direction_in(camera.pose.z);
-    c.center = camera.pose.point_in(solid.pose.point_out(sphere.center));
-    c.tangent = dot(c.center, c.center) - sphere.radius * sphere.radius;
+    c.origin = solid.pose.to_local(camera.pose.origin);
+    c.right = solid.pose.rotate_to_local(camera.pose.x);
+    c.down = solid.pose.rotate_to_local(camera.pose.y);
+    c.ahead = solid.pose.rotate_to_local(camera.pose.z);
+    c.center = camera.pose.to_local(solid.pose.to_parent(sphere.center));
+    c.squared_tangent = dot(c.center, c.center) - sphere.radius * sphere.radius;
     c.nearest = c.center.z - sphere.radius;
     candidates_.push_back(c);
   }
@@ -48,10 +49,10 @@ RayCaster::RayCaster(const World& world, const Camera& camera, double range)
   std::stable_sort(order.begin(), order.end(), [this](std::uint32_t a, std::uint32_t b) {
     return candidates_[a].nearest < candidates_[b].nearest;
   });
-  for (const std::uint32_t solid : order) enter(solid);
+  for (const std::uint32_t solid : order) add_to_tiles(solid);
 }
 
-void RayCaster::enter(std::uint32_t solid) {
+void RayCaster::add_to_tiles(std::uint32_t solid) {
   const Candidate& c = candidates_[solid];
   const double radius = c.center.z - c.nearest;
   if (c.center.z + radius < kNearest || c.nearest > range_) return;
@@ -82,7 +83,7 @@ Hit RayCaster::cast(double u, double v) const {
     const Candidate& c = candidates_[index];
     if (c.nearest > best.t) break;
     const double middle = dot(c.center, ray);
-    if (c.tangent > 0 && (middle < 0 || middle * middle < square * c.tangent)) continue;
+    if (c.squared_tangent > 0 && (middle < 0 || middle * middle < square * c.squared_tangent)) continue;
     const Vec3 direction = ray.x * c.right + ray.y * c.down + c.ahead;
     if (intersect(world_[index].shape, c.origin, direction, kNearest, best)) hit.solid = index;
   }
@@ -92,7 +93,7 @@ Hit RayCaster::cast(double u, double v) const {
 }
 
 Vec3 RayCaster::world_point(double u, double v, double depth) const {
-  return camera_.pose.point_out(depth * camera_.ray(u, v));
+  return camera_.pose.to_parent(depth * camera_.ray(u, v));
 }
 
 Surface RayCaster::surface(double u, double v, const Hit& hit) const {
@@ -100,7 +101,7 @@ Surface RayCaster::surface(double u, double v, const Hit& hit) const {
   const Vec3 ray = camera_.ray(u, v);
   const Vec3 point = c.origin + hit.depth * (ray.x * c.right + ray.y * c.down + c.ahead);
   Surface surface = surface_at(world_[hit.solid].shape, point, hit.face);
-  surface.normal = world_[hit.solid].pose.direction_out(surface.normal);
+  surface.normal = world_[hit.solid].pose.rotate_to_parent(surface.normal);
   return surface;
 }
 

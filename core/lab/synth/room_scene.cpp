@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/room_scene.hpp"
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 namespace segserve::synth {
 namespace {
 
-constexpr double kWallHeight = 2.4;  // metres
+constexpr double kWallHeight = 2.4;  // meters
 
 class RoomBuilder {
  public:
@@ -23,7 +24,7 @@ class RoomBuilder {
     for (int i = 0; i < count(1.6); ++i) add_at_wall(random_bookcase(random_));
     for (int i = 0; i < count(1); ++i) add_at_wall(random_sideboard(random_));
     for (int i = 0; i < count(0.8); ++i) add_armchair();
-    put_small_objects(static_cast<std::uint32_t>(std::floor(options.objects * rooms + 0.5)));
+    place_small_objects(static_cast<std::uint32_t>(std::floor(options.objects * rooms + 0.5)));
     for (int i = 0; i < std::max(12, count(30)); ++i) add_view();
     scene_.half_x = half_x_;
     scene_.half_y = half_y_;
@@ -32,14 +33,14 @@ class RoomBuilder {
   RoomScene take() { return std::move(scene_); }
 
  private:
+  /// A shelf in the room, and a measure of its area.
   struct Surface {
     Shelf shelf;
     double area;
   };
 
   void add_slab(const Vec3& low, const Vec3& high, const Texture& texture, std::uint32_t label) {
-    const Vec3 half = 0.5 * (high - low);
-    scene_.world.push_back({{ShapeKind::kBox, half.x, half.y, half.z, 0}, at(0.5 * (low + high)), texture, label});
+    scene_.world.push_back(box_between(low, high, texture, label));
   }
 
   void add_shell() {
@@ -61,16 +62,16 @@ class RoomBuilder {
     add_slab({-x - t, -y, 0}, {-x, y, h}, wall, 5);
   }
 
-  // False if something else is there, or it reaches through a wall.
+  /// Adds a piece of furniture. Returns false if it would hit something else, or reach through a wall.
   bool add(const Furniture& furniture, const Pose& pose, double gap) {
     const double turns = math::atan2(pose.x.y, pose.x.x) / (2 * kPi);
-    const Household& body = furniture.body;
+    const HouseholdObject& body = furniture.body;
     const double reach_x = std::abs(pose.x.x) * body.half_x + std::abs(pose.y.x) * body.half_y;
     const double reach_y = std::abs(pose.x.y) * body.half_x + std::abs(pose.y.y) * body.half_y;
     if (std::abs(pose.origin.x) + reach_x > half_x_ - 0.005) return false;
     if (std::abs(pose.origin.y) + reach_y > half_y_ - 0.005) return false;
     const Arrangement::Footprint box{pose.origin.x, pose.origin.y, turns, body.half_x, body.half_y, 0, body.height};
-    if (!floor_plan_.free(box, gap)) return false;
+    if (!floor_plan_.is_free(box, gap)) return false;
     floor_plan_.occupy(box);
     for (const Solid& part : body.parts) {
       scene_.world.push_back({part.shape, pose * part.pose, part.texture, label_});
@@ -87,7 +88,7 @@ class RoomBuilder {
     for (int i = 0; i < 60; ++i) {
       const double x = random_.uniform(-half_x_, half_x_);
       const double y = random_.uniform(-half_y_, half_y_);
-      if (add(furniture, turned(turns, {x, y, 0}), 0.12)) return true;
+      if (add(furniture, rotated(turns, {x, y, 0}), 0.12)) return true;
     }
     return false;
   }
@@ -98,41 +99,41 @@ class RoomBuilder {
     add_freely(armchair, turns);
   }
 
-  // With its back to one of the four walls.
+  /// Adds a piece of furniture with its back to one of the four walls.
   void add_at_wall(const Furniture& furniture) {
     constexpr double kBehind = 0.012;
     for (int i = 0; i < 40; ++i) {
       const std::uint32_t wall = random_.below(4);
-      const bool across = wall % 2 == 0;  // along x
-      const double place = random_.uniform(-1, 1) * ((across ? half_x_ : half_y_) - furniture.body.half_x - 0.01);
-      const double away = (across ? half_y_ : half_x_) - furniture.body.half_y - kBehind;
+      const bool along_x = wall % 2 == 0;
+      const double place = random_.uniform(-1, 1) * ((along_x ? half_x_ : half_y_) - furniture.body.half_x - 0.01);
+      const double away = (along_x ? half_y_ : half_x_) - furniture.body.half_y - kBehind;
       const Vec3 origin = wall == 0   ? Vec3{place, -away, 0}
                           : wall == 1 ? Vec3{away, place, 0}
                           : wall == 2 ? Vec3{place, away, 0}
                                       : Vec3{-away, place, 0};
-      if (add(furniture, turned(wall / 4.0, origin), 0.03)) return;
+      if (add(furniture, rotated(wall / 4.0, origin), 0.03)) return;
     }
   }
 
-  // A table and chairs around it, each turned a little as people leave them.
+  /// Adds a table with chairs around it, each turned a little, as people leave them.
   void add_table_group() {
     const Furniture table = random_table(random_);
     const Furniture chair = random_chair(random_);
     const double askew = random_.uniform(-0.03, 0.03);
     const double quarter = 0.25 * random_.below(2);
     if (!add_freely(table, askew + quarter)) return;
-    const Arrangement::Footprint box = floor_plan_.taken().back();
-    const Pose pose = turned(box.turns, {box.x, box.y, 0});
+    const Arrangement::Footprint box = floor_plan_.occupied().back();
+    const Pose pose = rotated(box.turns, {box.x, box.y, 0});
     for (const double side : {-1.0, 1.0}) {
       for (const double place : {-0.5, 0.5}) {
         const double along = place * box.half_x, out = side * (box.half_y + random_.uniform(0.27, 0.4));
         const double turns = (side < 0 ? 0.0 : 0.5) + random_.uniform(-0.06, 0.06);
-        if (random_.chance(0.8)) add(chair, pose * turned(turns, {along, out, 0}), 0.02);
+        if (random_.chance(0.8)) add(chair, pose * rotated(turns, {along, out, 0}), 0.02);
       }
     }
   }
 
-  void put_small_objects(std::uint32_t count) {
+  void place_small_objects(std::uint32_t count) {
     if (surfaces_.empty()) return;
     double area = 0;
     for (const Surface& surface : surfaces_) area += surface.area;
@@ -140,16 +141,16 @@ class RoomBuilder {
       double choice = random_.uniform() * area;
       std::size_t k = 0;
       while (k + 1 < surfaces_.size() && choice >= surfaces_[k].area) choice -= surfaces_[k++].area;
-      label_ = put_objects(1, surfaces_[k].shelf, {0.01, 0}, label_, random_, small_, scene_.world);
+      label_ = place_objects(1, surfaces_[k].shelf, {0.01, 0}, label_, random_, small_, scene_.world);
     }
   }
 
   bool inside_something(const Vec3& p) const {
-    constexpr double kPersonalSpace = 0.25;
-    return !floor_plan_.free({p.x, p.y, 0, 0.01, 0.01, p.z - kPersonalSpace, p.z}, kPersonalSpace);
+    constexpr double kClearance = 0.25;  // meters between a camera and the furniture
+    return !floor_plan_.is_free({p.x, p.y, 0, 0.01, 0.01, p.z - kClearance, p.z}, kClearance);
   }
 
-  // A person walks about with the camera: mostly towards furniture, sometimes along the walls.
+  /// Adds a view as of a person who carries the camera: mostly towards furniture, sometimes in any direction.
   void add_view() {
     Vec3 from;
     do {
@@ -158,7 +159,7 @@ class RoomBuilder {
     } while (inside_something(from));
     const double turns = random_.uniform();
     Vec3 to = from + Vec3{math::cos(2 * kPi * turns), math::sin(2 * kPi * turns), random_.uniform(-0.9, 0.15)};
-    const auto& things = floor_plan_.taken();
+    const auto& things = floor_plan_.occupied();
     if (random_.chance(0.55) && !things.empty()) {
       const auto& thing = things[random_.below(static_cast<std::uint32_t>(things.size()))];
       const double height = random_.uniform(0.2, 1.0) * thing.top;

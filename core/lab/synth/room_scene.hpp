@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
@@ -12,8 +13,8 @@ namespace segserve::synth {
 /// A furnished room; z = 0 is the floor (label 1), its walls have labels 2 to 5, and it has no ceiling.
 struct RoomScene {
   World world;
-  std::vector<Camera> views;  ///< poses from which it is scanned; the pictures' size is left open
-  Vec3 lamp;                  ///< position
+  std::vector<Camera> views;  ///< The cameras that scan the room; the scan sets the size of their images.
+  Vec3 lamp;                  ///< Its position.
   double half_x = 0, half_y = 0;
 };
 

@@ -1,58 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
+#include "segserve/codec/rgbd.hpp"
 
-/// Synthetic RGB-D scenes with ground truth. The same options give the same bytes on every machine
-/// and with every compiler: no libm function but sqrt, no distribution of <random>.
+/// Synthetic RGB-D scenes with ground truth. The same options give the same bytes on every machine and with every
+/// compiler: there is no libm function but sqrt, and no distribution of <random>.
 namespace segserve::synth {
 
 /// One frame of a Kinect-like camera that looks down at a table with household objects.
 struct SceneOptions {
-  std::uint64_t seed = 1;      ///< everything that is random follows from it
-  std::uint32_t width = 640;   ///< pixels, 16 to 4096; focal length = 525 * width / 640 pixels
-  std::uint32_t height = 480;  ///< pixels, 16 to 4096
-  std::uint32_t objects = 8;   ///< 0 to 40; fewer are placed when the table is full
-  double stacked = 0.25;       ///< share of the objects that are put on top of others, [0, 1]
-  double clutter = 0.5;        ///< 0: spread over the table, 1: crowded, so that objects hide one another
-  double noise = 1.0;          ///< times the noise of a Kinect v1 (depth, disparity steps, colour), [0, 10]; 0: perfect
-  double distance = 1.0;       ///< times the usual distance of the camera (0.8 to 1.3 m), [0.5, 3]
-  bool holes = true;           ///< projector shadow, grazing angles, dark spots: points without depth
-  bool all_finite = false;     ///< a room around the table and no holes: every pixel is a finite point
+  std::uint64_t seed = 1;      ///< Seed of everything that is random.
+  std::uint32_t width = 640;   ///< Pixels, 16 to 4096. The focal length is 525 * width / 640 pixels.
+  std::uint32_t height = 480;  ///< Pixels, 16 to 4096.
+  std::uint32_t objects = 8;   ///< 0 to 40. Fewer are placed when the table is full.
+  double stacked = 0.25;       ///< Share of the objects that are placed on others, [0, 1].
+  double clutter = 0.5;        ///< 0: spread over the table; 1: crowded, so that objects hide one another.
+  double noise = 1.0;          ///< Factor on the noise of a Kinect v1 (depth, disparity steps, color), [0, 10].
+  double distance = 1.0;       ///< Factor on the usual distance of the camera (0.8 to 1.3 m), [0.5, 3].
+  bool holes = true;           ///< Points without depth: projector shadow, grazing angles, dark spots.
+  bool all_finite = false;     ///< A room around the table and no holes: every pixel is a finite point.
 };
 
-/// A room seen from many virtual views all around it, fused into one surface as KinectFusion does.
+/// A room that is seen by many virtual cameras and fused into one surface, as KinectFusion does.
 struct RoomOptions {
-  std::uint64_t seed = 1;  ///< everything that is random follows from it
-  std::uint32_t points =
-      600000;                  ///< exactly so many, 1000 to 20 million; about 7 mm * size * sqrt(600000 / points) apart
-  double size = 1.0;           ///< times the edges of the usual room, 3.3 m x 2.8 m, [0.7, 10]; furniture is as dense
-  std::uint32_t objects = 16;  ///< small objects on tables and shelves per 9.2 m^2 of floor (size 1), 0 to 60
-  double noise = 1.0;          ///< times the noise of a Kinect v1 in each view, [0, 10]; 0: perfect
+  std::uint64_t seed = 1;  ///< Seed of everything that is random.
+  /// The exact number of points, 1000 to 20 million. They are about 7 mm * size * sqrt(600000 / points) apart.
+  std::uint32_t points = 600000;
+  double size = 1.0;           ///< Factor on the edges of the usual room, 3.3 m x 2.8 m, [0.7, 10].
+  std::uint32_t objects = 16;  ///< Small objects per 9.2 m^2 of floor (size 1), 0 to 60.
+  double noise = 1.0;          ///< Factor on the noise of a Kinect v1 in each view, [0, 10].
 };
 
-/// Label of a point: 0 no finite point; 1 the table's top or the floor; 2..9 other support (walls, ..);
-/// 20, 30, 40, .. objects, furniture included. Visible parts of one object that do not touch in
-/// the image get labels of their own: 20, 21, .. (tabletop only, as in OSD's own ground truth).
+/// A scene with ground truth. The label of a point is 0 if it is not finite, 1 on the table or the floor, 2 to 9 on
+/// other support such as walls, and 20, 30, 40 and so on on objects, furniture included. make_tabletop gives visible
+/// parts of an object that do not touch in the image labels of their own, 20, 21, 22 and so on, as OSD's ground truth
+/// does.
 struct SyntheticScene {
   Cloud cloud;
-  std::vector<std::uint32_t> label;  ///< one per point
+  std::vector<std::uint32_t> label;         ///< One per point.
+  std::optional<codec::Intrinsics> camera;  ///< The camera that took the image; make_tabletop only.
 };
 
-/// Organised cloud in the CAMERA view, row by row; pixels without depth are NaN with their colour
-/// kept. INVALID_ARGUMENT naming every option out of its range.
+/// Makes an organized cloud in the CAMERA view, row by row. Pixels without depth are NaN and keep their color.
+/// INVALID_ARGUMENT that names every option out of its range.
 absl::StatusOr<SyntheticScene> make_tabletop(const SceneOptions& options);
 
-/// Unorganised cloud in metres, z up, floor at z = 0, the room's centre at x = y = 0; WORLD view with
-/// the sensor at the mean position of the virtual cameras. Every point is finite. Time and memory
-/// are proportional to the points. INVALID_ARGUMENT naming every option out of its range.
+/// Makes an unorganized cloud in meters in the WORLD view. z is up, the floor is at z = 0, the center of the room is at
+/// x = y = 0, and the sensor is at the mean position of the virtual cameras. Every point is finite. Time and memory are
+/// proportional to the number of points. INVALID_ARGUMENT that names every option out of its range.
 absl::StatusOr<SyntheticScene> make_fused_room(const RoomOptions& options);
 
-/// OK, or INVALID_ARGUMENT naming every option out of its range.
+/// INVALID_ARGUMENT that names every option out of its range.
 absl::Status check(const SceneOptions& options);
 absl::Status check(const RoomOptions& options);
 

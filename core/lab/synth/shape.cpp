@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/shape.hpp"
 
 #include <algorithm>
@@ -6,7 +7,7 @@
 namespace segserve::synth {
 namespace {
 
-// Patches of round shapes; a box has 0..5 for -x, +x, -y, +y, -z, +z.
+/// The patches of round shapes. A box has the patches 0 to 5 for -x, +x, -y, +y, -z, +z.
 enum Face { kOuter = 0, kBottom = 1, kTop = 2, kInner = 3, kInnerFloor = 4 };
 
 struct Ray {
@@ -17,13 +18,14 @@ struct Ray {
   double z(double t) const { return origin.z + t * direction.z; }
 };
 
+/// Takes a crossing that is nearer than the best one so far.
 bool accept(double t, int face, double t_min, Crossing& hit) {
   if (!(t > t_min && t < hit.t)) return false;
   hit = {t, face};
   return true;
 }
 
-bool box(const Shape& s, const Ray& ray, Crossing& hit) {
+bool intersect_box(const Shape& s, const Ray& ray, Crossing& hit) {
   const double o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
   const double d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
   const double half[3] = {s.a, s.b, s.c};
@@ -53,8 +55,8 @@ bool box(const Shape& s, const Ray& ray, Crossing& hit) {
   return enter > ray.t_min ? accept(enter, enter_face, ray.t_min, hit) : accept(leave, leave_face, ray.t_min, hit);
 }
 
-// The wall x^2 + y^2 = (r + k z)^2 between two heights.
-bool wall(double r, double k, double z0, double z1, int face, const Ray& ray, Crossing& hit) {
+/// The wall x^2 + y^2 = (r + k z)^2 between the heights z0 and z1.
+bool intersect_wall(double r, double k, double z0, double z1, int face, const Ray& ray, Crossing& hit) {
   const Vec3& o = ray.origin;
   const Vec3& d = ray.direction;
   const double radius = r + k * o.z;
@@ -72,8 +74,8 @@ bool wall(double r, double k, double z0, double z1, int face, const Ray& ray, Cr
   return found;
 }
 
-// The ring inner <= distance from the axis <= outer at a height.
-bool ring(double z, double inner, double outer, int face, const Ray& ray, Crossing& hit) {
+/// The ring at height z with inner <= distance from the axis <= outer.
+bool intersect_ring(double z, double inner, double outer, int face, const Ray& ray, Crossing& hit) {
   if (ray.direction.z == 0) return false;
   const double t = (z - ray.origin.z) / ray.direction.z;
   const double x = ray.origin.x + t * ray.direction.x;
@@ -82,8 +84,8 @@ bool ring(double z, double inner, double outer, int face, const Ray& ray, Crossi
   return square <= outer * outer && square >= inner * inner && accept(t, face, ray.t_min, hit);
 }
 
-// The part of a sphere about (0, 0, center) that lies below a height.
-bool cap(double center, double radius, double z_max, int face, const Ray& ray, Crossing& hit) {
+/// The part of a sphere around (0, 0, center) that lies below a height.
+bool intersect_cap(double center, double radius, double z_max, int face, const Ray& ray, Crossing& hit) {
   const Vec3 o{ray.origin.x, ray.origin.y, ray.origin.z - center};
   const double a = dot(ray.direction, ray.direction);
   const double b = dot(o, ray.direction);
@@ -97,24 +99,24 @@ bool cap(double center, double radius, double z_max, int face, const Ray& ray, C
   return found;
 }
 
-bool ellipsoid(const Shape& s, const Ray& ray, Crossing& hit) {
+bool intersect_ellipsoid(const Shape& s, const Ray& ray, Crossing& hit) {
   const Vec3 o{ray.origin.x / s.a, ray.origin.y / s.b, ray.origin.z / s.c};
   const Vec3 d{ray.direction.x / s.a, ray.direction.y / s.b, ray.direction.z / s.c};
-  return cap(0, 1, 2, kOuter, {o, d, ray.t_min}, hit);
+  return intersect_cap(0, 1, 2, kOuter, {o, d, ray.t_min}, hit);
 }
 
-// Frustum, cup and tube differ in what closes them.
-bool round(const Shape& s, const Ray& ray, Crossing& hit) {
+/// Frustum, cup and tube have the same outer wall, and differ in the surfaces that close it.
+bool intersect_round(const Shape& s, const Ray& ray, Crossing& hit) {
   const double k = (s.b - s.a) / s.c;
-  bool found = wall(s.a, k, 0, s.c, kOuter, ray, hit);
+  bool found = intersect_wall(s.a, k, 0, s.c, kOuter, ray, hit);
   const bool hollow = s.kind != ShapeKind::kFrustum;
   const double lower_hole = s.kind == ShapeKind::kTube ? s.a - s.d : 0;
-  found |= ring(0, lower_hole, s.a, kBottom, ray, hit);
-  found |= ring(s.c, hollow ? s.b - s.d : 0, s.b, kTop, ray, hit);
+  found |= intersect_ring(0, lower_hole, s.a, kBottom, ray, hit);
+  found |= intersect_ring(s.c, hollow ? s.b - s.d : 0, s.b, kTop, ray, hit);
   if (!hollow) return found;
   const double floor = s.kind == ShapeKind::kCup ? s.d : 0;
-  found |= wall(s.a - s.d, k, floor, s.c, kInner, ray, hit);
-  if (floor > 0) found |= ring(floor, 0, s.a - s.d + k * floor, kInnerFloor, ray, hit);
+  found |= intersect_wall(s.a - s.d, k, floor, s.c, kInner, ray, hit);
+  if (floor > 0) found |= intersect_ring(floor, 0, s.a - s.d + k * floor, kInnerFloor, ray, hit);
   return found;
 }
 
@@ -122,10 +124,10 @@ double cap_radius(double radius, double above_center) {
   return std::sqrt(std::max(0.0, radius * radius - above_center * above_center));
 }
 
-bool bowl(const Shape& s, const Ray& ray, Crossing& hit) {
-  bool found = cap(s.a, s.a, s.b, kOuter, ray, hit);
-  found |= cap(s.a, s.a - s.d, s.b, kInner, ray, hit);
-  found |= ring(s.b, cap_radius(s.a - s.d, s.b - s.a), cap_radius(s.a, s.b - s.a), kTop, ray, hit);
+bool intersect_bowl(const Shape& s, const Ray& ray, Crossing& hit) {
+  bool found = intersect_cap(s.a, s.a, s.b, kOuter, ray, hit);
+  found |= intersect_cap(s.a, s.a - s.d, s.b, kInner, ray, hit);
+  found |= intersect_ring(s.b, cap_radius(s.a - s.d, s.b - s.a), cap_radius(s.a, s.b - s.a), kTop, ray, hit);
   return found;
 }
 
@@ -167,15 +169,15 @@ bool intersect(const Shape& shape, const Vec3& origin, const Vec3& direction, do
   const Ray ray{origin, direction, t_min};
   switch (shape.kind) {
     case ShapeKind::kBox:
-      return box(shape, ray, hit);
+      return intersect_box(shape, ray, hit);
     case ShapeKind::kEllipsoid:
-      return ellipsoid(shape, ray, hit);
+      return intersect_ellipsoid(shape, ray, hit);
     case ShapeKind::kBowl:
-      return bowl(shape, ray, hit);
+      return intersect_bowl(shape, ray, hit);
     case ShapeKind::kFrustum:
     case ShapeKind::kCup:
     case ShapeKind::kTube:
-      return round(shape, ray, hit);
+      return intersect_round(shape, ray, hit);
   }
   return false;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/surface_grid.hpp"
 
 #include <bit>
@@ -12,7 +13,7 @@ SurfaceGrid::SurfaceGrid(double spacing, const Vec3& origin, std::size_t expecte
   cells_.reserve(expected_cells);
 }
 
-SurfaceGrid::Cell& SurfaceGrid::cell(const Vec3& surface_point) {
+SurfaceGrid::Cell& SurfaceGrid::find_or_add(const Vec3& surface_point) {
   const Vec3 p = inverse_spacing_ * (surface_point - origin_);
   const auto coordinate = [](double value) {
     constexpr std::int64_t kMiddle = 1 << 20;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -8,11 +9,11 @@
 namespace segserve::synth {
 namespace {
 
-// Collects every option that is out of its range.
+/// Collects every option that is out of its range.
 class Violations {
  public:
   void require(std::string_view name, double value, double low, double high) {
-    if (value >= low && value <= high) return;  // false for NaN
+    if (value >= low && value <= high) return;  // This is false for NaN.
     fmt::format_to(std::back_inserter(text_), "{}{} is {}, must be in [{}, {}]", text_.empty() ? "" : "; ", name, value,
                    low, high);
   }

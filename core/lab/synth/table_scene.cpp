@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/table_scene.hpp"
 
 #include <algorithm>
@@ -8,12 +9,7 @@
 namespace segserve::synth {
 namespace {
 
-constexpr double kTableHeight = 0.74;  // metres
-
-Solid slab(const Vec3& low, const Vec3& high, const Texture& texture, std::uint32_t label) {
-  const Vec3 half = 0.5 * (high - low);
-  return {{ShapeKind::kBox, half.x, half.y, half.z, 0}, at(0.5 * (low + high)), texture, label};
-}
+constexpr double kTableHeight = 0.74;  // meters above the floor
 
 Texture surface(TextureKind kind, const Vec3& base, const Vec3& second, double scale, bool across, Random& random) {
   return {kind, base, second, second, scale, across, random.bits()};
@@ -22,8 +18,8 @@ Texture surface(TextureKind kind, const Vec3& base, const Vec3& second, double s
 Texture table_top(Random& random) {
   static constexpr Vec3 kWoods[] = {{0.78, 0.65, 0.56}, {0.70, 0.54, 0.38}, {0.55, 0.40, 0.28}, {0.83, 0.76, 0.64}};
   if (random.chance(0.25)) {
-    const double grey = random.uniform(0.62, 0.88);
-    return surface(TextureKind::kPlain, {grey, grey, 0.98 * grey}, {}, 0.02, false, random);
+    const double gray = random.uniform(0.62, 0.88);
+    return surface(TextureKind::kPlain, {gray, gray, 0.98 * gray}, {}, 0.02, false, random);
   }
   const Vec3 wood = kWoods[random.below(4)];
   return surface(TextureKind::kWood, 1.06 * wood, 0.86 * wood, random.uniform(0.01, 0.025), true, random);
@@ -31,17 +27,17 @@ Texture table_top(Random& random) {
 
 void add_table(double half_x, double near, double far, Random& random, World& world) {
   const Texture top = table_top(random);
-  world.push_back(slab({-half_x, near, -0.028}, {half_x, far, 0}, top, kTable));
+  world.push_back(box_between({-half_x, near, -0.028}, {half_x, far, 0}, top, kTable));
   const Texture legs = surface(TextureKind::kPlain, {0.3, 0.3, 0.32}, {}, 0.02, false, random);
   for (const double x : {-half_x + 0.05, half_x - 0.1}) {
     for (const double y : {near + 0.05, far - 0.1}) {
-      world.push_back(slab({x, y, -kTableHeight}, {x + 0.05, y + 0.05, -0.028}, legs, kTable));
+      world.push_back(box_between({x, y, -kTableHeight}, {x + 0.05, y + 0.05, -0.028}, legs, kTable));
     }
   }
 }
 
-// A closed room around table and camera: whatever the camera's angle, every ray ends somewhere.
-// Its slabs overlap at the edges.
+/// Adds a closed room around the table and the camera, so that every ray of the camera hits something. Its slabs
+/// overlap at the edges.
 void add_shell(const Vec3& low, const Vec3& high, Random& random, World& world) {
   const Vec3 parquet{0.42, 0.29, 0.19};
   const double tint = random.uniform(0.72, 0.9);
@@ -50,12 +46,12 @@ void add_shell(const Vec3& low, const Vec3& high, Random& random, World& world) 
   const Texture boards = surface(TextureKind::kWood, 1.2 * parquet, 0.8 * parquet, 0.05, true, random);
   const double t = 0.1;
   const Vec3 outer_low = low - Vec3{t, t, t}, outer_high = high + Vec3{t, t, t};
-  world.push_back(slab(outer_low, {outer_high.x, outer_high.y, low.z}, boards, kFloor));
-  world.push_back(slab({outer_low.x, high.y, outer_low.z}, outer_high, walls, kBackWall));
-  world.push_back(slab({high.x, outer_low.y, outer_low.z}, outer_high, walls, kSideWall));
-  world.push_back(slab(outer_low, {low.x, outer_high.y, outer_high.z}, walls, kOtherWall));
-  world.push_back(slab(outer_low, {outer_high.x, low.y, outer_high.z}, walls, kOtherWall));
-  world.push_back(slab({outer_low.x, outer_low.y, high.z}, outer_high, walls, kOtherWall));
+  world.push_back(box_between(outer_low, {outer_high.x, outer_high.y, low.z}, boards, kFloor));
+  world.push_back(box_between({outer_low.x, high.y, outer_low.z}, outer_high, walls, kBackWall));
+  world.push_back(box_between({high.x, outer_low.y, outer_low.z}, outer_high, walls, kSideWall));
+  world.push_back(box_between(outer_low, {low.x, outer_high.y, outer_high.z}, walls, kOtherWall));
+  world.push_back(box_between(outer_low, {outer_high.x, low.y, outer_high.z}, walls, kOtherWall));
+  world.push_back(box_between({outer_low.x, outer_low.y, high.z}, outer_high, walls, kOtherWall));
 }
 
 void add_room(double half_x, double far, const Vec3& camera, Random& random, World& world) {
@@ -67,7 +63,8 @@ void add_room(double half_x, double far, const Vec3& camera, Random& random, Wor
   const double height = random.uniform(-0.1, 0.5);
   const Texture drawers =
       surface(TextureKind::kStripes, {0.62, 0.62, 0.64}, {0.5, 0.5, 0.53}, random.uniform(0.15, 0.3), false, random);
-  world.push_back(slab({cabinet, back - 0.5, floor}, {cabinet + width, back - 0.001, height}, drawers, kCabinet));
+  world.push_back(
+      box_between({cabinet, back - 0.5, floor}, {cabinet + width, back - 0.001, height}, drawers, kCabinet));
 }
 
 Camera place_camera(const SceneOptions& options, Random& random) {
@@ -93,13 +90,13 @@ TableScene arrange_table(const SceneOptions& options) {
   add_table(half_x, near, far, random, scene.world);
   add_room(half_x, far, scene.camera.pose.origin, random, scene.world);
 
-  // The more objects, the more of the table they take; clutter draws them together.
+  // More objects take more of the table. Clutter moves them closer together.
   const double crowd = std::sqrt(std::max(1U, options.objects) / 8.0);
   const double spread = std::min(1.0, crowd * (1 - 0.45 * options.clutter));
-  const Shelf shelf{at({0, 0, 0}), 0.42 * spread + 0.03, 0.34 * spread + 0.03};
-  const Habits habits{0.004 + 0.05 * (1 - options.clutter), options.stacked};
+  const Shelf shelf{translated({0, 0, 0}), 0.42 * spread + 0.03, 0.34 * spread + 0.03};
+  const PlacementOptions placement{0.004 + 0.05 * (1 - options.clutter), options.stacked};
   Arrangement arrangement;
-  put_objects(options.objects, shelf, habits, 20, random, arrangement, scene.world);
+  place_objects(options.objects, shelf, placement, 20, random, arrangement, scene.world);
 
   const double side = random.uniform(-0.5, 0.5);
   scene.lighting.lamp = unit({side, random.uniform(-0.5, 0.2), 1});

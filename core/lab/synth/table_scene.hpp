@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/lab/synth/lighting.hpp"
@@ -7,7 +8,7 @@
 
 namespace segserve::synth {
 
-/// Labels of what supports or surrounds the objects.
+/// Labels of the surfaces that support or surround the objects.
 enum SupportLabel : std::uint32_t {
   kTable = 1,
   kFloor = 2,
@@ -17,7 +18,7 @@ enum SupportLabel : std::uint32_t {
   kCabinet = 6
 };
 
-/// A table with objects on it, in a room; z = 0 is the table's top.
+/// A table with objects on it, in a room. The top of the table is at z = 0.
 struct TableScene {
   World world;
   Camera camera;

@@ -1,9 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <limits>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/lab/synth/color_sensor.hpp"
 #include "core/lab/synth/depth_sensor.hpp"
 #include "core/lab/synth/scene.hpp"
@@ -13,13 +15,14 @@
 namespace segserve::synth {
 namespace {
 
+/// The scene as a perfect camera sees it.
 struct Picture {
   DepthImage depth;
   std::vector<Vec3> color;
 };
 
-// The lamp may be beyond a wall: walls are transparent to it.
-World what_casts_shadows(const World& world) {
+/// The table and the objects. Walls cast no shadows, because the lamp may be behind one.
+World shadow_casters(const World& world) {
   World result;
   std::copy_if(world.begin(), world.end(), std::back_inserter(result),
                [](const Solid& solid) { return solid.label == kTable || solid.label >= 10; });
@@ -29,7 +32,7 @@ World what_casts_shadows(const World& world) {
 Picture render(const TableScene& scene) {
   const Camera& camera = scene.camera;
   const RayCaster caster(scene.world, camera);
-  const ShadowMap shadow(what_casts_shadows(scene.world), 2.5 * scene.lighting.lamp, {0, 0, 0}, 0.75);
+  const ShadowMap shadow(shadow_casters(scene.world), 2.5 * scene.lighting.lamp, {0, 0, 0}, 0.75);
   const std::size_t pixels = std::size_t{camera.width} * camera.height;
   Picture picture;
   picture.depth = {camera.width, camera.height, std::vector<double>(pixels), std::vector<float>(pixels),
@@ -39,10 +42,10 @@ Picture render(const TableScene& scene) {
   for (std::uint32_t v = 0; v < camera.height; ++v) {
     for (std::uint32_t u = 0; u < camera.width; ++u, ++i) {
       const Hit hit = caster.cast(u, v);
-      if (!hit.any()) continue;
+      if (!hit.exists()) continue;
       const Surface surface = caster.surface(u, v, hit);
-      const Vec3 ray = unit(camera.pose.direction_out(camera.ray(u, v)));
-      const double lit = shadow.lit(caster.world_point(u, v, hit.depth), surface.normal);
+      const Vec3 ray = unit(camera.pose.rotate_to_parent(camera.ray(u, v)));
+      const double lit = shadow.lit_share(caster.world_point(u, v, hit.depth), surface.normal);
       picture.color[i] = scene.lighting.shade(color_at(scene.world[hit.solid].texture, surface), surface.normal, lit);
       picture.depth.depth[i] = hit.depth;
       picture.depth.incidence[i] = static_cast<float>(std::abs(dot(ray, surface.normal)));
@@ -52,7 +55,7 @@ Picture render(const TableScene& scene) {
   return picture;
 }
 
-// OSD's ground truth covers the table and what stands on it: the room behind has colour, but no points.
+/// Removes the depth of everything but the table and the objects, because OSD's scenes have ground truth only there.
 void remove_room(DepthImage& image) {
   for (std::size_t i = 0; i < image.label.size(); ++i) {
     if (image.label[i] > kTable && image.label[i] < 10) image.depth[i] = 0;
@@ -70,6 +73,7 @@ SyntheticScene to_cloud(const Camera& camera, const DepthImage& image, std::vect
   cloud.y = cloud.z = cloud.x;
   cloud.rgb = std::move(rgb);
   scene.label = image.label;
+  scene.camera = codec::Intrinsics{camera.focal, camera.focal, camera.center_u, camera.center_v};
   std::size_t i = 0;
   for (std::uint32_t v = 0; v < image.height; ++v) {
     for (std::uint32_t u = 0; u < image.width; ++u, ++i) {
@@ -90,18 +94,18 @@ SyntheticScene to_cloud(const Camera& camera, const DepthImage& image, std::vect
 }  // namespace
 
 absl::StatusOr<SyntheticScene> make_tabletop(const SceneOptions& options) {
-  if (const absl::Status status = check(options); !status.ok()) return status;
+  RETURN_IF_ERROR(check(options));
   const TableScene table = arrange_table(options);
   Picture picture = render(table);
   Random random(mix(options.seed) + 1);
-  const ColorSensor eye{options.noise};
-  std::vector<std::uint32_t> rgb = eye.record(options.width, options.height, picture.color, random);
+  const ColorSensor color_sensor{options.noise};
+  std::vector<std::uint32_t> rgb = color_sensor.record(options.width, options.height, picture.color, random);
 
   DepthImage& depth = picture.depth;
   if (!options.all_finite) remove_room(depth);
-  const DepthSensor sensor{
+  const DepthSensor depth_sensor{
       .focal = table.camera.focal, .noise = options.noise, .holes = options.holes && !options.all_finite};
-  sensor.measure(depth, random);
+  depth_sensor.measure(depth, random);
   constexpr std::uint32_t kSpeckPixels = 16;
   label_visible_parts(options.width, options.height, kSpeckPixels, depth.label);
   return to_cloud(table.camera, depth, std::move(rgb));

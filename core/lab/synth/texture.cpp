@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/texture.hpp"
 
 #include <algorithm>
@@ -13,21 +14,21 @@ Vec3 wood(const Texture& t, double u, double v) {
   const double along = t.across ? v : u;
   const double over = t.across ? u : v;
   const double grain = fractal_noise(along / (22 * t.scale), over / t.scale, t.seed);
-  const double fibre = value_noise(along / (8 * t.scale), over / (0.12 * t.scale), t.seed + 7);
+  const double fiber = value_noise(along / (8 * t.scale), over / (0.12 * t.scale), t.seed + 7);
   const double broad = value_noise(along / (60 * t.scale), over / (9 * t.scale), t.seed + 9);
-  return lerp(t.base, t.second, std::clamp(0.55 * grain + 0.2 * fibre + 0.25 * broad, 0.0, 1.0));
+  return lerp(t.base, t.second, std::clamp(0.55 * grain + 0.2 * fiber + 0.25 * broad, 0.0, 1.0));
 }
 
-// Rows of words: each cell of a row is ink or gap by its hash.
+/// Rows of words: the hash of a cell decides whether it is ink or a gap.
 bool text(double u, double v, double row, std::uint64_t seed) {
   const double line = std::floor(v / row);
   if (v / row - line > 0.55) return false;
   const auto j = static_cast<std::int64_t>(line);
   const auto cell = static_cast<std::int64_t>(std::floor(u / (0.8 * row)));
-  return lattice(cell, j, seed) % 5 != 0 && lattice(0, j, seed + 1) % 6 != 0;
+  return lattice_hash(cell, j, seed) % 5 != 0 && lattice_hash(0, j, seed + 1) % 6 != 0;
 }
 
-// All sides of one package share colours and bands; title, picture and text differ from side to side.
+/// All sides of a package share colors and bands. Title, picture and text differ from side to side.
 Vec3 print(const Texture& t, const Surface& s) {
   const std::uint64_t side = mix(t.seed + static_cast<std::uint64_t>(s.face) * 101);
   const double u = s.u / s.width;
@@ -83,7 +84,7 @@ double jitter(double value, double amount, Random& random) {
 }  // namespace
 
 Vec3 color_at(const Texture& texture, const Surface& surface) {
-  // Large surfaces are cleaner, and their unevenness is broader.
+  // Large surfaces have less dirt, in broader patches.
   const bool large = surface.width > 0.4 || surface.height > 0.4;
   const double extent = large ? 0.35 : 0.05;
   const double depth = large ? 0.05 : 0.1;

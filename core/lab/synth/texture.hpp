@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -9,33 +10,33 @@
 namespace segserve::synth {
 
 enum class TextureKind {
-  kPlain,    ///< one colour with a hint of dirt
-  kStripes,  ///< around or along the patch
+  kPlain,    ///< One color with a little dirt.
+  kStripes,  ///< Around or along the patch.
   kChecks,
-  kSpeckle,  ///< stone, cork, patterned porcelain
+  kSpeckle,  ///< Stone, cork, patterned porcelain.
   kWood,
-  kPrint,  ///< a printed package: bands, a picture, a title, lines of text
+  kPrint,  ///< A printed package: bands, a picture, a title, lines of text.
 };
 
-/// A procedural colour of surfaces. Colours are sRGB, 0 to 1 a channel (x red, y green, z blue).
+/// A procedural texture. Colors are sRGB, 0 to 1 in each channel (x red, y green, z blue).
 struct Texture {
   TextureKind kind = TextureKind::kPlain;
   Vec3 base{}, second{}, third{};
-  double scale = 0.02;  ///< metres: width of stripes, checks, grain
-  bool across = false;  ///< stripes and grain run along v instead of u
+  double scale = 0.02;  ///< Width of stripes, checks and grain, in meters.
+  bool across = false;  ///< Stripes and grain run along v instead of u.
   std::uint64_t seed = 0;
 };
 
-/// The colour of a point of the surface.
+/// The color of a point of the surface.
 Vec3 color_at(const Texture& texture, const Surface& surface);
 
-/// A colour of household things: saturated prints, pastel porcelain, white, grey, brown.
+/// A random color of household things: saturated, pastel, white, gray or brown.
 Vec3 random_color(Random& random);
 
-/// A texture of the kind with colours that differ from one another.
+/// A random texture of this kind. Its second and third color differ from its first.
 Texture random_texture(TextureKind kind, Random& random);
 
-/// One of the kinds that fit manufactured objects.
+/// A random texture of a kind that fits manufactured objects.
 Texture random_texture(Random& random);
 
 }  // namespace segserve::synth

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -5,9 +6,9 @@
 
 namespace segserve::synth {
 
-/// Gives the visible parts of each object that do not touch in the image (8 neighbours) labels of
-/// their own, as OSD does: 20, 21, .. by descending size, at most ten. Parts below `smallest` pixels
-/// are specks of the sensor and keep the object's first label. Labels below 10 stay.
+/// Gives each connected visible part of an object (8 neighbors) a label of its own, as OSD does: 20, 21, 22 and so on
+/// by descending size, for at most ten parts. Parts with fewer than `smallest` pixels are specks of the sensor and keep
+/// the first label of the object. Labels below 10 stay. `label` has one entry per pixel, row by row.
 void label_visible_parts(std::uint32_t width, std::uint32_t height, std::uint32_t smallest,
                          std::vector<std::uint32_t>& label);
 

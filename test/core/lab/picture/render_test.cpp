@@ -118,7 +118,7 @@ TEST(RenderProjected, WorldCloudsAreSeenFromAboveOnTheSensorsSide) {
   add_square(0.0F, 0.0F, 1.0F, 0xFF0000, 80, cloud);  // a roof over the floor
   const Image image = render(cloud, {}, {.width = 200, .height = 200});
   EXPECT_GT(count_pixels(image, is_red), count_pixels(image, is_green));
-  // What is nearer to the sensor is lower in the picture: there the floor shows.
+  // Points nearer to the sensor are lower in the picture, so that the floor shows there.
   std::uint32_t lowest_red = 0;
   std::uint32_t lowest_green = 0;
   for (std::uint32_t y = 0; y < 200; ++y) {

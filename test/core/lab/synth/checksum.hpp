@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <bit>
@@ -7,7 +8,7 @@
 
 namespace segserve::synth {
 
-/// FNV-1a over the bits of all coordinates, colours and labels.
+/// FNV-1a over the bits of all coordinates, colors and labels.
 inline std::uint64_t checksum(const SyntheticScene& scene) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   const auto mix_in = [&hash](std::uint32_t word) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/household.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@ namespace {
 
 // Where rays from all around meet the parts; checks that every such point lies in the box that the
 // object declares, which is what keeps objects from intersecting each other.
-void expect_within_declared_box(const Household& object, Random& random) {
+void expect_within_declared_box(const HouseholdObject& object, Random& random) {
   constexpr double kSlack = 1e-6;
   for (const Solid& part : object.parts) {
     const Sphere around = bounding_sphere(part.shape);
@@ -23,7 +24,7 @@ void expect_within_declared_box(const Household& object, Random& random) {
       const Vec3 aim = around.center + (0.7 * around.radius) * Vec3{ax, ay, az};
       Crossing hit{1e9, 0};
       if (!intersect(part.shape, origin, aim - origin, 1e-9, hit)) continue;
-      const Vec3 p = part.pose.point_out(origin + hit.t * (aim - origin));
+      const Vec3 p = part.pose.to_parent(origin + hit.t * (aim - origin));
       ASSERT_LE(std::abs(p.x), object.half_x + kSlack);
       ASSERT_LE(std::abs(p.y), object.half_y + kSlack);
       ASSERT_GE(p.z, -kSlack);
@@ -36,7 +37,7 @@ TEST(HouseholdTest, ObjectsLieWithinTheBoxTheyDeclare) {
   Random random(5);
   for (int i = 0; i < 600; ++i) {
     SCOPED_TRACE(i);
-    expect_within_declared_box(random_household(random), random);
+    expect_within_declared_box(random_household_object(random), random);
     if (HasFatalFailure()) return;
   }
 }
@@ -44,7 +45,7 @@ TEST(HouseholdTest, ObjectsLieWithinTheBoxTheyDeclare) {
 TEST(HouseholdTest, ObjectsHaveHouseholdSizes) {
   Random random(6);
   for (int i = 0; i < 600; ++i) {
-    const Household object = random_household(random);
+    const HouseholdObject object = random_household_object(random);
     const double largest = std::max({2 * object.half_x, 2 * object.half_y, object.height});
     EXPECT_GE(largest, 0.04);
     EXPECT_LE(largest, 0.41);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -43,7 +44,7 @@ TEST(TabletopTest, TheSeedChangesTheScene) {
 
 class TabletopSeedTest : public testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(TabletopSeedTest, IsAFrameOfOrganisedPointsWithLabels) {
+TEST_P(TabletopSeedTest, IsAFrameOfOrganizedPointsWithLabels) {
   const SyntheticScene scene = make({.seed = GetParam(), .objects = 10});
   const Cloud& cloud = scene.cloud;
   EXPECT_EQ(cloud.width, 640U);

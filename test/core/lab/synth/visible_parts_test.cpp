@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/synth/visible_parts.hpp"
 
 #include <gmock/gmock.h>
