@@ -1,4 +1,5 @@
-#include "core/lab/eval/boundary.hpp"
+// SPDX-License-Identifier: Apache-2.0
+#include "core/lab/eval/boundary_recall.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -9,7 +10,7 @@ namespace {
 
 using Labels = std::span<const std::uint32_t>;
 
-/// One flag a pixel.
+/// One flag per pixel.
 std::vector<bool> boundary_pixels(Labels truth, Labels labels, std::size_t width) {
   std::vector<bool> boundary(truth.size(), false);
   const auto compare = [&](std::size_t a, std::size_t b) {
@@ -22,7 +23,7 @@ std::vector<bool> boundary_pixels(Labels truth, Labels labels, std::size_t width
   return boundary;
 }
 
-/// Whether some flag is set in the window around pixel i.
+/// Whether a flag is set in the window around pixel i.
 bool any_near(const std::vector<bool>& flags, std::size_t i, std::size_t width, std::size_t height) {
   const std::size_t row = i / width;
   const std::size_t column = i % width;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/comparison.hpp"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/status_macros.hpp"
 #include "core/math/random.hpp"
 #include "fmt/format.h"
 
@@ -19,7 +21,8 @@ constexpr std::size_t kTail = kResamples / 40;  // 2.5 % on each side
 
 using Rows = std::vector<const SceneScores*>;
 
-absl::StatusOr<Rows> by_file(std::span<const SceneScores> scenes, std::string_view which) {
+/// The scenes sorted by file name. `which` names the result in errors.
+absl::StatusOr<Rows> sorted_by_file(std::span<const SceneScores> scenes, std::string_view which) {
   Rows rows;
   for (const SceneScores& scene : scenes) rows.push_back(&scene);
   const auto file = [](const SceneScores* row) { return std::string_view(row->file); };
@@ -49,6 +52,7 @@ double mean_of(std::span<const double> values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
+/// Sets the 95 % interval of the mean difference.
 void bootstrap(std::span<const double> differences, PairedDifference& result) {
   Random random(result.scenes);
   std::vector<double> means(kResamples);
@@ -70,6 +74,7 @@ double upper_tail(double t, double degrees) {
   return boost::math::cdf(boost::math::complement(boost::math::students_t(degrees), t));
 }
 
+/// Sets the paired t-test.
 void t_test(std::span<const double> differences, PairedDifference& result) {
   const double n = static_cast<double>(differences.size());
   double squares = 0;
@@ -87,13 +92,16 @@ void t_test(std::span<const double> differences, PairedDifference& result) {
   if (better != Better::kNeither) result.p_better = upper_tail(better == Better::kHigher ? result.t : -result.t, n - 1);
 }
 
+/// Unset if fewer than two scenes have the metric in both results.
 std::optional<PairedDifference> compare_by(std::size_t metric, const Rows& a, const Rows& b) {
   std::vector<double> of_a, of_b, differences;
   for (std::size_t i = 0; i < a.size(); ++i) {
     const auto& x = a[i]->values[metric];
     const auto& y = b[i]->values[metric];
     if (!x || !y) continue;
-    of_a.push_back(*x), of_b.push_back(*y), differences.push_back(*x - *y);
+    of_a.push_back(*x);
+    of_b.push_back(*y);
+    differences.push_back(*x - *y);
   }
   if (differences.size() < 2) return std::nullopt;
   PairedDifference result;
@@ -110,14 +118,12 @@ std::optional<PairedDifference> compare_by(std::size_t metric, const Rows& a, co
 }  // namespace
 
 absl::StatusOr<std::vector<PairedDifference>> compare(std::span<const SceneScores> a, std::span<const SceneScores> b) {
-  const auto rows_a = by_file(a, "first");
-  if (!rows_a.ok()) return rows_a.status();
-  const auto rows_b = by_file(b, "second");
-  if (!rows_b.ok()) return rows_b.status();
-  if (absl::Status status = check_same_files(*rows_a, *rows_b); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const Rows rows_a, sorted_by_file(a, "first"));
+  ASSIGN_OR_RETURN(const Rows rows_b, sorted_by_file(b, "second"));
+  RETURN_IF_ERROR(check_same_files(rows_a, rows_b));
   std::vector<PairedDifference> results;
   for (std::size_t metric = 0; metric < kMetrics.size(); ++metric) {
-    if (const auto result = compare_by(metric, *rows_a, *rows_b)) results.push_back(*result);
+    if (const auto result = compare_by(metric, rows_a, rows_b)) results.push_back(*result);
   }
   return results;
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -10,25 +11,25 @@
 
 namespace segserve::eval {
 
-/// Two methods on the same scenes, by one metric.
+/// The comparison of two methods, A and B, on the same scenes by one metric.
 struct PairedDifference {
-  std::size_t metric = 0;  ///< index into kMetrics
-  std::size_t scenes = 0;  ///< that have the metric in both
+  std::size_t metric = 0;  ///< Index into kMetrics.
+  std::size_t scenes = 0;  ///< Number of scenes in which the metric is defined for both.
   double mean_a = 0, mean_b = 0;
-  double difference = 0;  ///< mean of a - b
-  /// Bootstrap: 95 % of 10,000 resamples of the scenes have their mean difference in here (percentiles; the same
-  /// numbers on every run).
+  double difference = 0;  ///< Mean of a - b.
+  /// Bootstrap interval: 95 % of 10,000 resamples of the scenes have their mean difference in here (percentiles). The
+  /// numbers are the same on every run.
   double low = 0, high = 0;
-  /// Paired t-test, as the paper's: mean difference over its standard error. Infinite if all differences are equal and
-  /// not 0.
+  /// Statistic of the paired t-test, as in the paper: the mean difference divided by its standard error. It is infinite
+  /// if all differences are equal and not 0.
   double t = 0;
-  double p_two_sided = 1;  ///< of a difference as large as this or larger if there is none
-  std::optional<double>
-      p_better;  ///< one-sided: small if a is better than b; nothing if neither high nor low is better
+  double p_two_sided = 1;  ///< Probability of such a t, or a larger one in size, if A and B are equally good.
+  /// One-sided: small if A is better than B. Unset if neither high nor low values of the metric are better.
+  std::optional<double> p_better;
 };
 
-/// One entry for each metric that at least two scenes have in both, scenes paired by file name. INVALID_ARGUMENT if the
-/// files are not the same, one is there twice, or there are fewer than two.
+/// Pairs the scenes by file name. The result has one entry for each metric that is defined in at least two pairs.
+/// INVALID_ARGUMENT if the files differ, if one occurs twice, or if there are fewer than two.
 absl::StatusOr<std::vector<PairedDifference>> compare(std::span<const SceneScores> a, std::span<const SceneScores> b);
 
 }  // namespace segserve::eval

@@ -1,21 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/contingency.hpp"
 
 #include <algorithm>
 #include <unordered_map>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 
 namespace segserve::eval {
 namespace {
 
+/// The index of the part with this label, which is added if it is not there.
 std::uint32_t index_of(std::vector<Part>& parts, std::uint32_t label) {
   auto part = std::ranges::lower_bound(parts, label, {}, &Part::label);
   if (part == parts.end() || part->label != label) part = parts.insert(part, {label, 0});
   return static_cast<std::uint32_t>(part - parts.begin());
 }
 
-/// Adds the segments of a cut to `table`; returns the index there of every supervoxel's segment.
+/// Adds the segments of a cut to `table`. Returns, for every supervoxel, the index of its segment there.
 absl::StatusOr<std::vector<std::uint32_t>> add_segments(const Contingency& supervoxels, const Cut& cut,
                                                         Contingency& table) {
   std::vector<std::uint64_t> points(std::size_t{cut.segments} + 1, 0);
@@ -73,11 +76,10 @@ absl::StatusOr<Contingency> coarsen(const Contingency& supervoxels, const Cut& c
   Contingency table;
   table.regions = supervoxels.regions;
   table.points = supervoxels.points;
-  const auto segment_of = add_segments(supervoxels, cut, table);
-  if (!segment_of.ok()) return segment_of.status();
+  ASSIGN_OR_RETURN(const auto segment_of, add_segments(supervoxels, cut, table));
 
   std::vector<Overlap> fine = supervoxels.overlaps;
-  for (Overlap& overlap : fine) overlap.segment = (*segment_of)[overlap.segment];
+  for (Overlap& overlap : fine) overlap.segment = segment_of[overlap.segment];
   std::ranges::sort(fine, {}, [](const Overlap& o) { return std::pair(o.region, o.segment); });
   for (const Overlap& overlap : fine) {
     const bool same = !table.overlaps.empty() && table.overlaps.back().region == overlap.region &&

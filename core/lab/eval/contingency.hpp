@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -10,32 +11,33 @@
 
 namespace segserve::eval {
 
-/// How many points a ground-truth region and a segment have in common; pairs without any are left out.
+/// The number of points that a ground-truth region and a segment have in common. Pairs without common points are left
+/// out.
 struct Overlap {
-  std::uint32_t region = 0, segment = 0;  ///< indices into `Contingency::regions` and `::segments`
+  std::uint32_t region = 0, segment = 0;  ///< Indices into `Contingency::regions` and `Contingency::segments`.
   std::uint64_t points = 0;
 };
 
+/// A region or a segment.
 struct Part {
   std::uint32_t label = 0;
   std::uint64_t points = 0;
 };
 
-/// The contingency table of a segmentation against ground truth, over the points whose ground truth
-/// is not 0 (0 = no finite point, dropped before scoring).
+/// The contingency table of a segmentation against ground truth. It counts only points whose ground truth is not 0.
 struct Contingency {
-  std::vector<Part> regions;      ///< of the ground truth, by ascending label
-  std::vector<Part> segments;     ///< by ascending label
-  std::vector<Overlap> overlaps;  ///< ascending by (region, segment)
+  std::vector<Part> regions;      ///< Of the ground truth, by ascending label.
+  std::vector<Part> segments;     ///< By ascending label.
+  std::vector<Overlap> overlaps;  ///< In ascending order of (region, segment).
   std::uint64_t points = 0;
 };
 
-/// One entry a point in both. INVALID_ARGUMENT if the lengths differ or no point has ground truth.
+/// Both arrays have one entry per point. INVALID_ARGUMENT if the lengths differ or no point has ground truth.
 absl::StatusOr<Contingency> tabulate(std::span<const std::uint32_t> truth, std::span<const std::uint32_t> labels);
 
-/// The table of a cut of a merge tree from that of its supervoxels (labels 1..m; 0 stays 0), without another look at
-/// the points: what `tabulate` would say of the cut's labels. INVALID_ARGUMENT if a supervoxel is not a leaf of the
-/// cut.
+/// Computes the table of a cut of a merge tree from the table of its supervoxels (labels 1 to m; 0 stays 0), without
+/// another pass over the points. The result equals that of `tabulate` for the labels of the cut. INVALID_ARGUMENT if a
+/// supervoxel is not a leaf of the tree.
 absl::StatusOr<Contingency> coarsen(const Contingency& supervoxels, const Cut& cut);
 
 }  // namespace segserve::eval

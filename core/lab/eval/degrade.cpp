@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/degrade.hpp"
 
 #include <array>
@@ -6,6 +7,7 @@
 #include <limits>
 #include <string>
 
+#include "core/base/status_macros.hpp"
 #include "core/math/random.hpp"
 #include "fmt/format.h"
 
@@ -15,14 +17,14 @@ namespace {
 constexpr double kMaxScale = 1000;
 constexpr double kMaxNoise = 1000;
 
-/// FNV-1a: std::hash differs between libraries.
+/// FNV-1a, because std::hash differs between libraries.
 std::uint64_t hash(std::string_view text) {
   std::uint64_t value = 0xCBF29CE484222325U;
   for (const char c : text) value = (value ^ static_cast<unsigned char>(c)) * 0x100000001B3U;
   return value;
 }
 
-void lose(codec::LabelledCloud& scene, std::size_t i) {
+void remove_point(codec::LabelledCloud& scene, std::size_t i) {
   Cloud& cloud = scene.cloud;
   cloud.x[i] = cloud.y[i] = cloud.z[i] = std::numeric_limits<float>::quiet_NaN();
   if (!scene.label.empty()) scene.label[i] = 0;
@@ -41,16 +43,17 @@ void rescale(Cloud& cloud, double scale) {
 void add_noise(codec::LabelledCloud& scene, double sigma, Random& random) {
   Cloud& cloud = scene.cloud;
   const bool camera = cloud.view.kind == ViewKind::kCamera;
-  const Eigen::Vector3f origin = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());  // CAMERA: at 0
+  const Eigen::Vector3f origin = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const double gaussian = random.gaussian();  // also for points that are not there: pixels stay comparable
+    // Missing points get a number, too, so that the noise of a pixel does not depend on the holes before it.
+    const double gaussian = random.gaussian();
     if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;
     const std::array<double, 3> ray = {double{cloud.x[i]} - origin[0], double{cloud.y[i]} - origin[1],
                                        double{cloud.z[i]} - origin[2]};
     const double depth = camera ? ray[2] : std::sqrt(ray[0] * ray[0] + ray[1] * ray[1] + ray[2] * ray[2]);
     const double stretch = 1 + sigma * depth * gaussian;  // (depth + sigma depth^2 gaussian) / depth
     if (stretch <= 0) {
-      lose(scene, i);
+      remove_point(scene, i);
       continue;
     }
     cloud.x[i] = static_cast<float>(origin[0] + ray[0] * stretch);
@@ -74,7 +77,7 @@ absl::Status check(const Degradation& d) {
 }
 
 absl::Status degrade(codec::LabelledCloud& scene, const Degradation& d, std::string_view scene_name) {
-  if (absl::Status status = check(d); !status.ok()) return status;
+  RETURN_IF_ERROR(check(d));
   if (d.noise_mm > 0 && !scene.cloud.view.has_sensor()) {
     return absl::InvalidArgumentError("depth noise needs to know where the sensor is, which the file does not say");
   }
@@ -83,7 +86,7 @@ absl::Status degrade(codec::LabelledCloud& scene, const Degradation& d, std::str
   if (d.scale != 1) rescale(scene.cloud, d.scale);
   if (d.noise_mm > 0) add_noise(scene, d.noise_mm / 1000, noise);
   for (std::size_t i = 0; d.keep < 1 && i < scene.cloud.size(); ++i) {
-    if (!loss.chance(d.keep)) lose(scene, i);
+    if (!loss.chance(d.keep)) remove_point(scene, i);
   }
   if (!d.color) scene.cloud.rgb.clear();
   return absl::OkStatus();

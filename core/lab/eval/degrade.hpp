@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -8,27 +9,28 @@
 
 namespace segserve::eval {
 
-/// What is done to a scene before it is segmented, in this order. The same bytes on every machine.
+/// Changes that make a scene harder to segment, applied in this order. Degraded scenes are the same bytes on every
+/// machine.
 struct Degradation {
-  /// All coordinates times this, (0, 1000]: the same scene of another size, as far away as it is larger.
+  /// Factor on all coordinates, (0, 1000]. A larger scene is farther away in proportion.
   double scale = 1;
-  /// Standard deviation of depth noise at 1 m, millimetres, [0, 1000]. It grows with the square of the depth, as that
-  /// of a structured-light camera does, and moves a point along its ray: depth is z in a CAMERA view, the distance in a
+  /// Standard deviation of depth noise at 1 m in millimeters, [0, 1000]. As for a structured-light camera, it grows
+  /// with the square of the depth. Noise moves a point along its ray; depth is z in a CAMERA view and the distance in a
   /// WORLD view. A point that would end behind the sensor is lost.
   double noise_mm = 0;
-  /// Share of the points that stay, (0, 1], each with this probability; the others become not finite.
+  /// The probability with which each point stays, (0, 1]. The other points become not finite.
   double keep = 1;
-  /// Whether colour stays.
+  /// Whether the color stays.
   bool color = true;
-  /// Everything random follows from it and from the scene's name.
+  /// Seed of everything that is random, together with the name of the scene.
   std::uint64_t seed = 1;
 };
 
-/// INVALID_ARGUMENT naming every value out of its range.
+/// INVALID_ARGUMENT that names every value out of its range.
 absl::Status check(const Degradation& degradation);
 
-/// Degrades a scene; points that are lost lose their ground truth (label 0), too. INVALID_ARGUMENT for noise in a WORLD
-/// view without a sensor, which has no rays.
+/// Degrades a scene. Points that are lost get the label 0, too. INVALID_ARGUMENT for noise in a WORLD
+/// view without a sensor, because it has no rays.
 absl::Status degrade(codec::LabelledCloud& scene, const Degradation& degradation, std::string_view scene_name);
 
 }  // namespace segserve::eval

@@ -1,14 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/evaluation.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <memory>
 #include <ranges>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
-#include "core/lab/eval/boundary.hpp"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "core/lab/eval/boundary_recall.hpp"
 #include "core/lab/eval/scores.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/cloud_file.hpp"
@@ -26,9 +28,13 @@ bool is_scene(const fs::directory_entry& entry) {
   return (extension == ".pcd" || extension == ".ply") && entry.is_regular_file(ignored);
 }
 
-absl::Status in_file(const fs::path& path, const absl::Status& status) {
-  return {status.code(),
-          fmt::format("{}: {}", path.string(), std::string_view(status.message().data(), status.message().size()))};
+absl::Status in_file(const fs::path& path, const absl::Status& status) { return with_prefix(path.string(), status); }
+
+/// The value, or the error with the path before its message.
+template <typename Value>
+absl::StatusOr<Value> in_file(const fs::path& path, absl::StatusOr<Value> result) {
+  if (!result.ok()) return in_file(path, result.status());
+  return result;
 }
 
 bool has_objects(const Contingency& table) {
@@ -58,48 +64,44 @@ absl::StatusOr<std::vector<fs::path>> scene_files(const fs::path& folder) {
 }
 
 absl::StatusOr<codec::LabelledCloud> load_scene(const fs::path& path, const Degradation& degradation) {
-  auto scene = codec::load_cloud(path.string());
-  if (!scene.ok()) return scene.status();
-  if (scene->label.empty()) {
+  ASSIGN_OR_RETURN(codec::LabelledCloud scene, codec::load_cloud(path.string()));
+  if (scene.label.empty()) {
     return in_file(path, absl::InvalidArgumentError("no ground truth: the file has no field \"label\""));
   }
-  const Cloud& cloud = scene->cloud;
+  const Cloud& cloud = scene.cloud;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) scene->label[i] = 0;
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) scene.label[i] = 0;
   }
-  if (absl::Status status = degrade(*scene, degradation, path.filename().string()); !status.ok()) {
-    return in_file(path, status);
-  }
-  if (std::ranges::all_of(scene->label, [](std::uint32_t label) { return label == 0; })) {
+  const absl::Status status = degrade(scene, degradation, path.filename().string());
+  if (!status.ok()) return in_file(path, status);
+  if (std::ranges::all_of(scene.label, [](std::uint32_t label) { return label == 0; })) {
     return in_file(path, absl::InvalidArgumentError("no ground truth: no finite point has a label other than 0"));
   }
   return scene;
 }
 
 absl::StatusOr<MetricValues> score(const codec::LabelledCloud& scene, const Partition& partition) {
-  const auto segments = tabulate(scene.label, partition.labels);
-  if (!segments.ok()) return segments.status();
-  const auto supervoxels = tabulate(scene.label, partition.supervoxels);
-  if (!supervoxels.ok()) return supervoxels.status();
+  ASSIGN_OR_RETURN(const Contingency segments, tabulate(scene.label, partition.labels));
+  ASSIGN_OR_RETURN(const Contingency supervoxels, tabulate(scene.label, partition.supervoxels));
 
   MetricValues v;
   v[metric("supervoxels")] = static_cast<double>(partition.supervoxel_count);
   v[metric("segments")] = static_cast<double>(partition.segment_count);
   v[metric("ms")] = partition.ms;
-  const Scores one = one_to_one_scores(*segments);
+  const Scores one = one_to_one_scores(segments);
   v[metric("one_to_one.wov")] = one.wov, v[metric("one_to_one.tp")] = one.tp;
   v[metric("one_to_one.fp")] = one.fp, v[metric("one_to_one.fn")] = one.fn;
   v[metric("one_to_one.f")] = one.f;
-  const Scores all = paper_scores(*segments, Regions::kAll);
+  const Scores all = paper_scores(segments, Regions::kAll);
   v[metric("paper_all.wov")] = all.wov, v[metric("paper_all.tp")] = all.tp;
   v[metric("paper_all.fp")] = all.fp, v[metric("paper_all.fn")] = all.fn;
-  if (has_objects(*segments)) {
-    const Scores objects = paper_scores(*segments, Regions::kObjects);
+  if (has_objects(segments)) {
+    const Scores objects = paper_scores(segments, Regions::kObjects);
     v[metric("paper_objects.wov")] = objects.wov, v[metric("paper_objects.tp")] = objects.tp;
     v[metric("paper_objects.fp")] = objects.fp, v[metric("paper_objects.fn")] = objects.fn;
   }
-  v[metric("variation_of_information")] = variation_of_information(*segments);
-  const SupervoxelScores quality = supervoxel_scores(*supervoxels);
+  v[metric("variation_of_information")] = variation_of_information(segments);
+  const SupervoxelScores quality = supervoxel_scores(supervoxels);
   v[metric("supervoxel_quality.achievable_accuracy")] = quality.achievable_accuracy;
   v[metric("supervoxel_quality.undersegmentation_error")] = quality.undersegmentation_error;
   v[metric("supervoxel_quality.boundary_recall")] =
@@ -111,13 +113,10 @@ absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<fs::path>& f
                                                   const SegmentScene& segment, const Progress& progress) {
   std::vector<SceneScores> rows;
   for (const fs::path& file : files) {
-    const auto scene = load_scene(file, degradation);
-    if (!scene.ok()) return scene.status();
-    const auto partition = segment(scene->cloud);
-    if (!partition.ok()) return in_file(file, partition.status());
-    const auto values = score(*scene, *partition);
-    if (!values.ok()) return in_file(file, values.status());
-    rows.push_back({file.filename().string(), *values});
+    ASSIGN_OR_RETURN(const auto scene, load_scene(file, degradation));
+    ASSIGN_OR_RETURN(const Partition partition, in_file(file, segment(scene.cloud)));
+    ASSIGN_OR_RETURN(const MetricValues values, in_file(file, score(scene, partition)));
+    rows.push_back({file.filename().string(), values});
     progress(rows.size(), files.size());
   }
   return rows;
@@ -125,9 +124,8 @@ absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<fs::path>& f
 
 SegmentScene with_options(const Options& options) {
   return [options, segmenter = std::make_shared<Segmenter>()](const CloudView& cloud) -> absl::StatusOr<Partition> {
-    auto segmentation = segmenter->segment(cloud, options);
-    if (!segmentation.ok()) return segmentation.status();
-    return partition_of(*std::move(segmentation));
+    ASSIGN_OR_RETURN(Segmentation segmentation, segmenter->segment(cloud, options));
+    return partition_of(std::move(segmentation));
   };
 }
 
@@ -136,13 +134,11 @@ absl::StatusOr<ThresholdSweep> learn_threshold(const std::vector<fs::path>& file
   Segmenter segmenter;
   ThresholdSweep sweep;
   for (const fs::path& file : files) {
-    const auto scene = load_scene(file, {});
-    if (!scene.ok()) return scene.status();
-    const auto segmentation = segmenter.segment(scene->cloud, options);
-    if (!segmentation.ok()) return in_file(file, segmentation.status());
-    const auto supervoxels = tabulate(scene->label, segmentation->supervoxels);
-    if (!supervoxels.ok()) return in_file(file, supervoxels.status());
-    if (absl::Status status = sweep.add(*supervoxels, segmentation->tree); !status.ok()) return in_file(file, status);
+    ASSIGN_OR_RETURN(const auto scene, load_scene(file, {}));
+    ASSIGN_OR_RETURN(const Segmentation segmentation, in_file(file, segmenter.segment(scene.cloud, options)));
+    ASSIGN_OR_RETURN(const Contingency supervoxels, in_file(file, tabulate(scene.label, segmentation.supervoxels)));
+    const absl::Status status = sweep.add(supervoxels, segmentation.tree);
+    if (!status.ok()) return in_file(file, status);
     progress(sweep.scenes(), files.size());
   }
   return sweep;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -17,40 +18,41 @@
 
 namespace segserve::eval {
 
-/// What a method made of a scene: one label and one supervoxel a point, 0 = none.
+/// A method's result for a scene: one label and one supervoxel per point, 0 for none.
 struct Partition {
   std::vector<std::uint32_t> labels;
   std::vector<std::uint32_t> supervoxels;
   std::size_t segment_count = 0;
   std::size_t supervoxel_count = 0;
-  double ms = 0;  ///< wall time of the segmentation alone
+  double ms = 0;  ///< Wall time of the segmentation alone.
 };
 using SegmentScene = std::function<absl::StatusOr<Partition>(const CloudView&)>;
 
 /// Called after each scene.
 using Progress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// The .pcd and .ply files of a folder, by name; not those of folders in it. INVALID_ARGUMENT if there is none or it is
-/// no folder, NOT_FOUND if it does not exist.
+/// The .pcd and .ply files of a folder, sorted by name, without those in its subfolders. INVALID_ARGUMENT if there is
+/// no such file or the path is not a folder, NOT_FOUND if it does not exist.
 absl::StatusOr<std::vector<std::filesystem::path>> scene_files(const std::filesystem::path& folder);
 
 /// Reads a scene with ground truth (field "label", 0 = not scored) and degrades it. Points that are not finite have no
-/// ground truth. Errors begin with the path: as `codec::load_cloud` and `degrade`; INVALID_ARGUMENT without ground
-/// truth.
+/// ground truth. Errors are those of `codec::load_cloud` and `degrade`, and INVALID_ARGUMENT without ground truth;
+/// messages begin with the path.
 absl::StatusOr<codec::LabelledCloud> load_scene(const std::filesystem::path& path, const Degradation& degradation);
 
-/// Scores of a partition of a scene, both of its size. INVALID_ARGUMENT if no point has ground truth.
+/// The scores of a partition; its arrays have one entry per point of the scene. INVALID_ARGUMENT if no point has ground
+/// truth.
 absl::StatusOr<MetricValues> score(const codec::LabelledCloud& scene, const Partition& partition);
 
-/// One row a file, in order. The first error ends it, its message begins with the path.
+/// Scores every file, in order. Stops at the first error; its message begins with the path.
 absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<std::filesystem::path>& files,
                                                   const Degradation& degradation, const SegmentScene& segment,
                                                   const Progress& progress);
 
-/// Segments with our own methods; one Segmenter serves all scenes.
+/// Segments with segserve's own methods. One Segmenter serves all scenes.
 SegmentScene with_options(const Options& options);
 
-/// Sweeps the threshold over the trees of scenes, as they are.
+/// Sweeps the threshold over the merge trees of the scenes, which are not degraded.
 absl::StatusOr<ThresholdSweep> learn_threshold(const std::vector<std::filesystem::path>& files, const Options& options,
                                                const Progress& progress);
 

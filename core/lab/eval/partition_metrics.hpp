@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -12,17 +13,17 @@ namespace segserve::eval {
 
 enum class Better : std::uint8_t { kHigher, kLower, kNeither };
 
-/// One number by which a scene is scored: "protocol.score", as in the JSON.
+/// A number by which a scene is scored. Its name is "protocol.score", as in the JSON.
 struct Metric {
   std::string_view name;
   Better better = Better::kNeither;
 };
 
-/// Every one, in the order of the JSON.
+/// All metrics, in the order of the JSON.
 inline constexpr std::array kMetrics = {
-    Metric{"supervoxels"},                               // how many
-    Metric{"segments"},                                  // how many
-    Metric{"ms", Better::kLower},                        // segmentation alone
+    Metric{"supervoxels"},                               // their number
+    Metric{"segments"},                                  // their number
+    Metric{"ms", Better::kLower},                        // the segmentation alone
     Metric{"one_to_one.wov", Better::kHigher},           // scores.hpp, one_to_one_scores
     Metric{"one_to_one.tp", Better::kHigher},            //
     Metric{"one_to_one.fp", Better::kLower},             //
@@ -49,16 +50,16 @@ consteval std::size_t metric(std::string_view name) {
   return i;
 }
 
-/// A value of each metric; nothing where it is undefined: objects of a scene without any, boundaries of a cloud that is
-/// no image.
+/// The value of each metric. It is unset where it is undefined: scores of objects in a scene without objects, and
+/// boundaries of a cloud that is not an image.
 using MetricValues = std::array<std::optional<double>, kMetrics.size()>;
 
 struct SceneScores {
-  std::string file;  ///< the name within its folder
+  std::string file;  ///< Its name within the folder.
   MetricValues values;
 };
 
-/// Of each metric, the mean over the scenes that have it.
+/// The mean of each metric over the scenes in which it is defined.
 MetricValues mean(std::span<const SceneScores> scenes);
 
 }  // namespace segserve::eval

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -13,34 +14,36 @@
 
 namespace segserve::eval {
 
-/// A threshold and what it was learnt on.
-struct Learnt {
+/// A learned threshold, and the scenes it was learned on.
+struct LearnedThreshold {
   std::string folder;
   ThresholdSweep sweep;
-  bool with_curve = false;  ///< the JSON lists the tp of every threshold
+  bool with_curve = false;  ///< Whether the JSON lists the tp of every threshold.
 };
 
-/// A method on the scenes of a folder.
+/// The scores of a method on the scenes of a folder.
 struct Report {
   std::string method;
-  std::optional<double> threshold;  ///< unset if cut at a number of regions, or if the method has none
+  std::optional<double>
+      threshold;  ///< Unset if the tree was cut at a number of regions, or if the method has no threshold.
   std::string folder;
   Degradation degradation;
-  std::optional<Learnt> learnt;
+  std::optional<LearnedThreshold> learned;
   std::vector<SceneScores> per_scene;
 };
 
-/// One JSON object, one line: scenes, method, threshold, data, degradation, learnt, the means of all metrics, and
-/// per_scene, the metrics of each scene after its `file`. A metric that is undefined is null.
+/// One JSON object in one line: scenes, method, threshold, data, degradation, learnt, the means of all metrics, and
+/// per_scene with the file and the metrics of each scene. A metric that is undefined is null.
 std::string to_json(const Report& report);
 
 /// Tables for people.
 std::string to_text(const Report& report);
 
-/// What `compare` needs of such an object: method and per_scene. INVALID_ARGUMENT if it is none.
+/// Reads from such an object what `compare` needs: method and per_scene. INVALID_ARGUMENT if the text is not such an
+/// object.
 absl::StatusOr<Report> report_from_json(std::string_view json);
 
-/// `a` and `b` name the two; one JSON object, one line.
+/// One JSON object in one line. `a` and `b` are the names of the two results.
 std::string to_json(const std::vector<PairedDifference>& differences, const std::string& a, const std::string& b);
 std::string to_text(const std::vector<PairedDifference>& differences, const std::string& a, const std::string& b);
 

@@ -1,6 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <cstddef>
 
+#include "core/base/status_macros.hpp"
 #include "core/lab/eval/report.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -12,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 Json number_or_null(std::optional<double> value) { return value && std::isfinite(*value) ? Json(*value) : Json(); }
 
-/// "one_to_one.wov" is the member wov of the member one_to_one.
+/// The metric "one_to_one.wov" is the member wov of the member one_to_one.
 Json::json_pointer pointer_to(const Metric& metric) {
   std::string path = fmt::format("/{}", metric.name);
   for (char& c : path) c = c == '.' ? '/' : c;
@@ -23,13 +25,13 @@ void add_metrics(Json& json, const MetricValues& values) {
   for (std::size_t m = 0; m < kMetrics.size(); ++m) json[pointer_to(kMetrics[m])] = number_or_null(values[m]);
 }
 
-Json learnt_json(const Learnt& learnt) {
-  const ThresholdSweep& sweep = learnt.sweep;
-  Json json = {{"data", learnt.folder},
+Json learned_json(const LearnedThreshold& learned) {
+  const ThresholdSweep& sweep = learned.sweep;
+  Json json = {{"data", learned.folder},
                {"scenes", sweep.scenes()},
                {"threshold", ThresholdSweep::threshold(sweep.best())},
                {"one_to_one_tp", sweep.tp(sweep.best())}};
-  if (learnt.with_curve) {
+  if (learned.with_curve) {
     Json& curve = json["curve"] = Json::array();
     for (std::size_t i = 0; i < ThresholdSweep::kThresholds; ++i) {
       curve.push_back({{"threshold", ThresholdSweep::threshold(i)}, {"one_to_one_tp", sweep.tp(i)}});
@@ -38,7 +40,7 @@ Json learnt_json(const Learnt& learnt) {
   return json;
 }
 
-/// Names of files need not be UTF-8; JSON must be.
+/// JSON must be UTF-8, but file names need not be: other bytes are replaced.
 std::string one_line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 absl::StatusOr<SceneScores> scene_from(const Json& json, std::size_t row) {
@@ -68,7 +70,7 @@ std::string to_json(const Report& report) {
   const Degradation& d = report.degradation;
   json["degradation"] = {
       {"scale", d.scale}, {"noise_mm", d.noise_mm}, {"keep", d.keep}, {"color", d.color}, {"seed", d.seed}};
-  json["learnt"] = report.learnt ? learnt_json(*report.learnt) : Json();
+  json["learnt"] = report.learned ? learned_json(*report.learned) : Json();
   add_metrics(json, mean(report.per_scene));
   Json& rows = json["per_scene"] = Json::array();
   for (const SceneScores& scene : report.per_scene) {
@@ -89,9 +91,8 @@ absl::StatusOr<Report> report_from_json(std::string_view text) {
   Report report;
   report.method = json["method"].get<std::string>();
   for (const Json& row : json["per_scene"]) {
-    auto scene = scene_from(row, report.per_scene.size());
-    if (!scene.ok()) return scene.status();
-    report.per_scene.push_back(*std::move(scene));
+    ASSIGN_OR_RETURN(SceneScores scene, scene_from(row, report.per_scene.size()));
+    report.per_scene.push_back(std::move(scene));
   }
   return report;
 }

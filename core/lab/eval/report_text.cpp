@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
 #include "core/lab/eval/report.hpp"
@@ -34,7 +35,7 @@ std::string describe(const Degradation& d) {
   if (d.scale != 1) text += fmt::format(", scaled by {}", d.scale);
   if (d.noise_mm != 0) text += fmt::format(", {} mm depth noise at 1 m", d.noise_mm);
   if (d.keep != 1) text += fmt::format(", {} of the points", d.keep);
-  if (!d.color) text += ", no colour";
+  if (!d.color) text += ", no color";
   return text;
 }
 
@@ -53,9 +54,9 @@ std::string to_text(const Report& report) {
   text += fmt::format("\n{} on {} scenes of {}{}", report.method, report.per_scene.size(), report.folder,
                       describe(report.degradation));
   if (report.threshold) text += fmt::format(", threshold {}", *report.threshold);
-  if (report.learnt) {
-    text += fmt::format(" (learnt on {} scenes of {}, one_to_one tp {:.4f})", report.learnt->sweep.scenes(),
-                        report.learnt->folder, report.learnt->sweep.tp(report.learnt->sweep.best()));
+  if (report.learned) {
+    text += fmt::format(" (learned on {} scenes of {}, one_to_one tp {:.4f})", report.learned->sweep.scenes(),
+                        report.learned->folder, report.learned->sweep.tp(report.learned->sweep.best()));
   }
   text += "\n";
   text += mean_line("one_to_one", v,

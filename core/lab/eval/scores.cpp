@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/scores.hpp"
 
 #include <algorithm>
@@ -16,7 +17,7 @@ double intersection_over_union(const Contingency& table, const Overlap& o) {
   return ratio(o.points, table.regions[o.region].points + table.segments[o.segment].points - o.points);
 }
 
-/// The overlaps of each region: they stand together.
+/// The overlaps of a region, which are neighbors in the table.
 std::span<const Overlap> overlaps_of(const Contingency& table, std::uint32_t region) {
   const auto range = std::ranges::equal_range(table.overlaps, region, {}, &Overlap::region);
   return {range.begin(), range.end()};

@@ -1,7 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/threshold_sweep.hpp"
 
 #include <algorithm>
 
+#include "core/base/status_macros.hpp"
 #include "core/lab/eval/scores.hpp"
 
 namespace segserve::eval {
@@ -9,11 +11,9 @@ namespace segserve::eval {
 absl::Status ThresholdSweep::add(const Contingency& supervoxels, const MergeTree& tree) {
   std::array<double, kThresholds> scene{};
   for (std::size_t i = 0; i < kThresholds; ++i) {
-    const auto cut = cut_at_threshold(tree, threshold(i));
-    if (!cut.ok()) return cut.status();
-    const auto table = coarsen(supervoxels, *cut);
-    if (!table.ok()) return table.status();
-    scene[i] = one_to_one_scores(*table).tp;
+    ASSIGN_OR_RETURN(const Cut cut, cut_at_threshold(tree, threshold(i)));
+    ASSIGN_OR_RETURN(const Contingency table, coarsen(supervoxels, cut));
+    scene[i] = one_to_one_scores(table).tp;
   }
   std::ranges::transform(sum_, scene, sum_.begin(), std::plus{});
   ++scenes_;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -9,22 +10,23 @@
 
 namespace segserve::eval {
 
-/// Learns a threshold as the paper does (section 4): of t = 0, 0.01, .. 1 the one of highest tp, mean over scenes; the
-/// smallest of equals. tp is that of one_to_one, as the paper's own formula grows to 1 when everything merges. A scene
-/// costs one tabulation of its supervoxels; every t costs only a cut of the tree.
+/// Learns a threshold as the paper does (section 4): among t = 0, 0.01, 0.02 and so on up to 1 it takes the one with
+/// the highest mean tp over the scenes, and the smallest of equals. tp is that of one_to_one_scores, because the
+/// paper's own formula grows to 1 when everything merges. A scene costs one tabulation of its supervoxels, and every t
+/// only a cut of the tree.
 class ThresholdSweep {
  public:
   static constexpr std::size_t kThresholds = 101;
   static constexpr double threshold(std::size_t i) { return static_cast<double>(i) / 100; }
 
-  /// Adds a scene: its supervoxels (labels 1..m) against ground truth, and their tree of m leaves.
-  /// INVALID_ARGUMENT if they do not belong together.
+  /// Adds a scene: the table of its supervoxels (labels 1 to m) against ground truth, and their tree with m leaves.
+  /// INVALID_ARGUMENT if a supervoxel is not a leaf of the tree.
   absl::Status add(const Contingency& supervoxels, const MergeTree& tree);
 
   std::size_t scenes() const { return scenes_; }
   /// Mean tp at threshold(i); 0 without scenes.
   double tp(std::size_t i) const;
-  /// The best threshold's i.
+  /// The index of the best threshold.
   std::size_t best() const;
 
  private:

@@ -1,4 +1,5 @@
-#include "core/lab/eval/boundary.hpp"
+// SPDX-License-Identifier: Apache-2.0
+#include "core/lab/eval/boundary_recall.hpp"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +45,7 @@ TEST(BoundaryRecall, DoesNotCountTheEdgeOfAHole) {
   EXPECT_EQ(recall(split_at(6, 2), split_at(6)), 1);
 }
 
-TEST(BoundaryRecall, TheEndOfARowIsNoNeighbourOfTheNextRowsStart) {
+TEST(BoundaryRecall, TheEndOfARowIsNoNeighborOfTheNextRowsStart) {
   Labels truth(9, 1), rows(9, 1);  // 3 x 3
   truth[8] = 2;                    // boundary pixels: 5, 7 and 8
   for (std::size_t i = 3; i < 9; ++i) rows[i] = 7;

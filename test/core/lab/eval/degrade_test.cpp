@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/degrade.hpp"
 
 #include <gtest/gtest.h>
@@ -83,7 +84,7 @@ TEST(Degrade, KeepsAShareOfThePointsAndDropsTheTruthOfTheOthers) {
   EXPECT_EQ(scene.cloud.size(), 20'001U);  // an image stays an image
 }
 
-TEST(Degrade, ScalesPointsAndSensorAndRemovesColour) {
+TEST(Degrade, ScalesPointsAndSensorAndRemovesColor) {
   codec::LabelledCloud scene = wall(1);
   scene.cloud.view = View::world(1, 2, 3);
   ASSERT_TRUE(degrade(scene, {.scale = 2, .color = false}, "scene").ok());

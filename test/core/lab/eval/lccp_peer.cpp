@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // A peer, not a test: scores PCL's LCCP (or its plain supervoxels) on a folder of scenes with our scoring code, and
 // writes what `segctl eval --json` writes, so that `segctl eval --compare` takes it. Settings:
 // core/lab/eval/README.md.
@@ -46,14 +47,14 @@ void add_flags(CLI::App& app, Settings& s) {
   const auto setting = [&](const char* flag, auto& value, const char* help) {
     app.add_option(flag, value, help)->capture_default_str()->group("Settings");
   };
-  setting("--voxel-resolution", s.vccs.voxel_resolution, "metres");
-  setting("--seed-resolution", s.vccs.seed_resolution, "metres");
+  setting("--voxel-resolution", s.vccs.voxel_resolution, "meters");
+  setting("--seed-resolution", s.vccs.seed_resolution, "meters");
   setting("--color-weight", s.vccs.color, "of supervoxels");
   setting("--spatial-weight", s.vccs.spatial, "of supervoxels");
   setting("--normal-weight", s.vccs.normal, "of supervoxels");
   setting("--concavity", s.lccp.concavity_degrees, "tolerance, degrees");
   setting("--smoothness", s.lccp.smoothness, "threshold of the smoothness check");
-  setting("--k-factor", s.lccp.k_factor, "extended convexity: neighbours in common");
+  setting("--k-factor", s.lccp.k_factor, "extended convexity: neighbors in common");
   setting("--min-segment", s.lccp.min_segment_supervoxels, "supervoxels of a segment that is not absorbed");
   app.add_flag("--only-supervoxels", s.only_supervoxels, "plain VCCS, nothing merged")->group("Settings");
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/report.hpp"
 
 #include <gmock/gmock.h>
@@ -10,7 +11,7 @@ using testing::StartsWith;
 
 Report example() {
   Report report{
-      .method = "lambda", .threshold = 0.18, .folder = "osd", .degradation = {}, .learnt = {}, .per_scene = {}};
+      .method = "lambda", .threshold = 0.18, .folder = "osd", .degradation = {}, .learned = {}, .per_scene = {}};
   for (const double wov : {0.5, 1.0}) {
     SceneScores scene{wov == 1 ? "b.pcd" : "a.pcd", {}};
     scene.values[metric("one_to_one.wov")] = wov;
@@ -41,9 +42,9 @@ TEST(Report, ReadsWhatItWrote) {
 
 TEST(Report, TheCurveIsThereIfAskedFor) {
   Report report = example();
-  report.learnt = Learnt{.folder = "learn", .sweep = {}, .with_curve = false};
+  report.learned = LearnedThreshold{.folder = "learn", .sweep = {}, .with_curve = false};
   EXPECT_THAT(to_json(report), testing::Not(HasSubstr("curve")));
-  report.learnt->with_curve = true;
+  report.learned->with_curve = true;
   EXPECT_THAT(to_json(report), HasSubstr(R"("curve":[{"threshold":0.0,"one_to_one_tp":0.0},{"threshold":0.01)"));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/lab/eval/scores.hpp"
 
 #include <gtest/gtest.h>
