@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
 #include "core/lab/picture/raster.hpp"
 
 namespace segserve::picture {
 
-Raster rasterize_organised(const CloudView& cloud) {
+Raster rasterize_organized(const CloudView& cloud) {
   Raster raster(cloud.width, cloud.height);
   const auto distance = [&](std::size_t i) {
     if (cloud.view.kind == ViewKind::kCamera) return cloud.z[i];

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +11,7 @@ namespace {
 
 using Rgb = std::array<double, 3>;
 
-/// Linear light from Oklab (B. Ottosson, 2020), a space in which equal steps look equal.
+/// Converts Oklab (B. Ottosson, 2020) to linear light. Equal steps in Oklab look equal.
 Rgb linear_from_oklab(double lightness, double a, double b) {
   const auto cube = [](double v) { return v * v * v; };
   const double l = cube(lightness + 0.3963377774 * a + 0.2158037573 * b);
@@ -26,7 +27,7 @@ std::uint8_t srgb_byte(double linear) {
   return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(v, 0.0, 1.0)));
 }
 
-/// The most colourful sRGB colour of this lightness and hue, up to `chroma`.
+/// The most colorful sRGB color of this lightness and hue, up to `chroma`.
 std::uint32_t color_of(double lightness, double chroma, double hue) {
   constexpr int kSteps = 20;
   Rgb rgb{};
@@ -44,8 +45,8 @@ double fraction(double v) { return v - std::floor(v); }
 
 std::uint32_t segment_color(std::uint32_t label) {
   if (label == 0) return 0x2E2E33;
-  // Hues by the golden ratio, lightness by the plastic number: both fill their range evenly for
-  // any run of labels, and do not repeat together.
+  // Multiples of the golden ratio (for hues) and of the inverse of the plastic number (for lightness) fill their range
+  // evenly for any run of labels, and never repeat together.
   constexpr double kPlastic = 0.5698402909980532;
   constexpr std::array<double, 3> kLightness{0.56, 0.70, 0.83};
   const double hue = fraction((std::numbers::phi - 1.0) * label + 0.05);

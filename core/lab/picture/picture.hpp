@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -17,29 +18,30 @@ struct Image {
 };
 
 struct RenderOptions {
-  /// Size of the picture of an unorganised cloud, pixels. An organised one has its own size.
+  /// Size of the picture of an unorganized cloud in pixels. The picture of an organized cloud has the size of the
+  /// cloud.
   std::uint32_t width = 960;
   std::uint32_t height = 720;
-  /// Share of the segment's colour, 0 to 1; the rest is the point's own.
+  /// Share of the segment's color, 0 to 1. The rest is the point's own color.
   float blend = 0.7F;
-  /// Thin dark lines between segments; organised clouds only.
+  /// Whether thin dark lines separate segments; organized clouds only.
   bool borders = true;
-  /// 0x00RRGGBB, where there is no point.
+  /// The color, 0x00RRGGBB, where there is no point.
   std::uint32_t background = 0x18181B;
 };
 
-/// A picture of the cloud. `labels` has one entry per point: each segment gets its segment_color;
-/// empty: the points' own colours (light grey, shaded by depth, if it has none).
+/// A picture of the cloud. `labels` has one entry per point, and each segment gets its segment_color. If `labels` is
+/// empty, points have their own colors, or light gray shaded by depth if the cloud has no color.
 ///
-/// An organised cloud is shown as its image, row by row. Others are projected point by point with
-/// a z-buffer: from the sensor for CAMERA; for WORLD obliquely from above, on the sensor's
-/// side if there is one (+z is up).
+/// An organized cloud is shown as its image, row by row. Other clouds are projected point by point with a z-buffer: a
+/// CAMERA cloud as seen from the sensor, a WORLD cloud obliquely from above (+z is up), from the side of the sensor if
+/// there is one.
 Image render(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options = {});
 
-/// A stable colour for a label, 0x00RRGGBB; neighbouring labels look different. 0 (no point) is dark grey.
+/// A stable color for a label, 0x00RRGGBB. Consecutive labels look different. Label 0 (no point) is dark gray.
 std::uint32_t segment_color(std::uint32_t label);
 
-/// Writes an 8-bit RGB PNG; "-" is standard output. INVALID_ARGUMENT if the image is empty,
+/// Writes an 8-bit RGB PNG file; "-" is standard output. INVALID_ARGUMENT if the image is empty,
 /// PERMISSION_DENIED or NOT_FOUND if the file cannot be opened, UNAVAILABLE if writing fails.
 absl::Status write_png(const std::string& path, const Image& image);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,9 +33,9 @@ void put(const Color& color, std::size_t pixel, Image& image) {
 }
 
 /// Luma, 0 to 1.
-float brightness(const Color& c) { return (0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2]) / 255.0F; }
+float luma(const Color& c) { return (0.299F * c[0] + 0.587F * c[1] + 0.114F * c[2]) / 255.0F; }
 
-/// Light grey nearby, dark grey far away, for clouds without colour.
+/// The color of a point without color: light gray nearby, dark gray far away.
 class DepthShade {
  public:
   explicit DepthShade(const Raster& raster) {
@@ -63,9 +64,9 @@ class DepthShade {
   float farthest_ = 0.0F;
 };
 
-/// The segment's colour carries the brightness of the point's own, so that texture stays visible.
+/// The color of the segment with the brightness of the point, so that texture stays visible.
 Color paint(const Color& own, std::uint32_t label, float blend) {
-  const Color segment = scaled(unpack(segment_color(label)), 0.45F + 0.75F * brightness(own));
+  const Color segment = scaled(unpack(segment_color(label)), 0.45F + 0.75F * luma(own));
   return mix(own, segment, blend);
 }
 
@@ -92,7 +93,7 @@ void darken(std::size_t pixel, float factor, Image& image) {
   }
 }
 
-/// Darkens the pixels whose right or lower neighbour is of another segment: lines one pixel wide.
+/// Darkens the pixels whose right or lower neighbor belongs to another segment. The lines are one pixel wide.
 void draw_borders(std::span<const std::uint32_t> labels, const Raster& raster, Image& image) {
   const auto label = [&](std::size_t pixel) {
     return raster.point[pixel] == Raster::kNoPoint ? 0U : labels[raster.point[pixel]];
@@ -110,14 +111,14 @@ void draw_borders(std::span<const std::uint32_t> labels, const Raster& raster, I
   }
 }
 
-/// Eye-dome lighting (C. Boucheny, 2009): a pixel is darker the more its neighbours are in front of it,
-/// which shows edges and folds without normals.
+/// Eye-dome lighting (C. Boucheny, 2009): a pixel gets darker the more its neighbors are in front of it. This shows
+/// edges and folds without normals.
 void light_edges(const Raster& raster, Image& image) {
   const auto log_depth = [&](std::size_t x, std::size_t y) {
     const std::size_t pixel = y * raster.width + x;
     return raster.point[pixel] == Raster::kNoPoint ? 0.0F : std::log2(raster.depth[pixel]);
   };
-  constexpr float kNoise = 0.008F;  // relative depth steps, as log2, that surfaces have by themselves
+  constexpr float kNoise = 0.008F;  // depth steps on smooth surfaces, as differences of log2
   constexpr std::array<std::array<int, 2>, 8> kAround{
       {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
   for (std::size_t y = 2; y + 2 < raster.height; ++y) {
@@ -140,11 +141,12 @@ void light_edges(const Raster& raster, Image& image) {
 }  // namespace
 
 Image render(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options) {
-  const bool organised = cloud.height > 1;
-  const Raster raster = organised ? rasterize_organised(cloud) : project(cloud, options.width, options.height);
+  const bool organized = cloud.height > 1;
+  const Raster raster =
+      organized ? rasterize_organized(cloud) : rasterize_projected(cloud, options.width, options.height);
   Image image = paint_points(cloud, labels, options, raster);
-  if (!organised) light_edges(raster, image);
-  if (organised && options.borders && !labels.empty()) draw_borders(labels, raster, image);
+  if (!organized) light_edges(raster, image);
+  if (organized && options.borders && !labels.empty()) draw_borders(labels, raster, image);
   return image;
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -14,7 +15,7 @@ double distance(std::uint32_t a, std::uint32_t b) {
   return std::hypot(red(a) - red(b), green(a) - green(b), blue(a) - blue(b));
 }
 
-/// The nearest two colours of a run of labels.
+/// The nearest two colors of a run of labels.
 double closest(std::uint32_t first, std::uint32_t count, std::uint32_t step) {
   double least = 1e9;
   for (std::uint32_t i = 0; i < count; ++i) {
@@ -25,7 +26,7 @@ double closest(std::uint32_t first, std::uint32_t count, std::uint32_t step) {
   return least;
 }
 
-TEST(Palette, NoPointIsDarkGrey) {
+TEST(Palette, NoPointIsDarkGray) {
   const std::uint32_t color = segment_color(0);
   EXPECT_LT(std::max({red(color), green(color), blue(color)}), 64);
   EXPECT_LT(std::abs(red(color) - green(color)) + std::abs(green(color) - blue(color)), 10);
@@ -38,13 +39,13 @@ TEST(Palette, IsStable) {
   EXPECT_NE(segment_color(1), segment_color(2));
 }
 
-TEST(Palette, ColoursOfASceneAreFarApart) {
+TEST(Palette, ColorsOfASceneAreFarApart) {
   EXPECT_GT(closest(1, 16, 1), 30.0);
   EXPECT_GT(closest(10, 12, 10), 30.0);  // ground truth counts objects in tens
   EXPECT_GT(closest(1000, 16, 1), 30.0);
 }
 
-TEST(Palette, NeighbouringLabelsAreVeryDifferentAndNoneIsDark) {
+TEST(Palette, NeighboringLabelsAreVeryDifferentAndNoneIsDark) {
   for (std::uint32_t label = 1; label < 3000; ++label) {
     const std::uint32_t color = segment_color(label);
     EXPECT_GT(distance(color, segment_color(label + 1)), 90.0) << label;

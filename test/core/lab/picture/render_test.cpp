@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -15,7 +16,7 @@ std::uint32_t pixel(const Image& image, std::uint32_t x, std::uint32_t y) {
   return pack_rgb(image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]);
 }
 
-/// 4 x 2 points in front of the camera, two rows of one colour each; the last point is missing.
+/// 4 x 2 points in front of the camera, two rows of one color each; the last point is missing.
 Cloud small_image() {
   Cloud cloud;
   cloud.resize(8, true);
@@ -53,7 +54,7 @@ bool is_red(std::uint32_t rgb) { return red(rgb) > green(rgb) && red(rgb) > blue
 bool is_green(std::uint32_t rgb) { return green(rgb) > red(rgb) && green(rgb) > blue(rgb); }
 bool is_background(std::uint32_t rgb) { return rgb == RenderOptions{}.background; }
 
-TEST(RenderOrganised, OwnColoursAreTheImage) {
+TEST(RenderOrganized, OwnColorsAreTheImage) {
   const Image image = render(small_image(), {});
   ASSERT_EQ(image.width, 4U);
   ASSERT_EQ(image.height, 2U);
@@ -62,7 +63,7 @@ TEST(RenderOrganised, OwnColoursAreTheImage) {
   EXPECT_EQ(pixel(image, 3, 1), RenderOptions{}.background);
 }
 
-TEST(RenderOrganised, SegmentsAreColouredAndBordersDark) {
+TEST(RenderOrganized, SegmentsAreColoredAndBordersDark) {
   const std::vector<std::uint32_t> labels{5, 5, 6, 6, 5, 5, 6, 0};
   const Cloud cloud = small_image();
   const Image plain = render(cloud, labels, {.blend = 1.0F, .borders = false});
@@ -77,7 +78,7 @@ TEST(RenderOrganised, SegmentsAreColouredAndBordersDark) {
   EXPECT_EQ(pixel(bordered, 2, 1), pixel(plain, 2, 1));
 }
 
-TEST(RenderOrganised, BlendGoesFromTheOwnColourToTheSegments) {
+TEST(RenderOrganized, BlendGoesFromTheOwnColorToTheSegments) {
   const std::vector<std::uint32_t> labels(8, 3);
   const Cloud cloud = small_image();
   EXPECT_EQ(render(cloud, labels, {.blend = 0.0F}).rgb, render(cloud, {}).rgb);
@@ -86,7 +87,7 @@ TEST(RenderOrganised, BlendGoesFromTheOwnColourToTheSegments) {
   EXPECT_NEAR(red(pixel(half, 0, 0)), (0xC0 + red(pixel(full, 0, 0))) / 2.0, 1.0);
 }
 
-TEST(RenderOrganised, WithoutColourNearIsLighterThanFar) {
+TEST(RenderOrganized, WithoutColorNearIsLighterThanFar) {
   Cloud cloud = small_image();
   cloud.rgb.clear();
   for (std::size_t i = 0; i < 7; ++i) cloud.z[i] = 1.0F + static_cast<float>(i);
@@ -128,7 +129,7 @@ TEST(RenderProjected, WorldCloudsAreSeenFromAboveOnTheSensorsSide) {
   EXPECT_GT(lowest_green, lowest_red);
 }
 
-TEST(RenderProjected, LabelsColourPoints) {
+TEST(RenderProjected, LabelsColorPoints) {
   Cloud cloud;
   cloud.view = View::world();
   add_square(0.0F, 0.0F, 0.0F, 0x808080, 50, cloud);
