@@ -1,5 +1,6 @@
-// What each codec costs: bytes of a frame on the wire, and the time to make them and to read them again. Mean of ten
-// OSD frames, or of ten synthetic ones. The peer is planar raw in the same run.
+// SPDX-License-Identifier: Apache-2.0
+// The cost of each codec: bytes of a frame on the wire, and the time to encode and to decode them, as means of ten OSD
+// frames or, if there are none, of ten synthetic frames. The peer is the codec planar in the same run.
 
 #include <chrono>
 #include <cstdio>
@@ -21,10 +22,10 @@ namespace segserve::bench {
 namespace {
 
 constexpr int kFrames = 10;
-constexpr int kRounds = 5;  // the fastest counts
+constexpr int kRounds = 5;  // The fastest round counts.
 constexpr codec::DecodeLimits kLimits{.draco = true};
 
-/// Time of this thread, so that other programs on the machine do not count.
+/// The CPU time of this thread, so that other programs on the machine do not count.
 double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -59,9 +60,9 @@ double finite_points(const std::vector<Cloud>& frames) {
   return finite / static_cast<double>(frames.size());
 }
 
-/// Means of a frame.
+/// Means over the frames.
 struct Cost {
-  double bytes = 0;  ///< of the whole message
+  double bytes = 0;  ///< Size of the whole message.
   double encode_ms = 0;
   double decode_ms = 0;
 };
@@ -99,9 +100,9 @@ std::vector<Row> rows() {
   std::vector<Row> all;
   for (const wire::CodecInfo& codec : wire::codecs()) {
     if (codec.codec == wire::Codec::kQuantised) {
-      for (const double millimetres : {0.1, 0.5, 1.0, 10.0}) {
-        all.push_back({fmt::format("{}, {} mm", codec.name, millimetres),
-                       {.codec = codec.codec, .error_bound = millimetres / 1000}});
+      for (const double millimeters : {0.1, 0.5, 1.0, 10.0}) {
+        all.push_back({fmt::format("{}, {} mm", codec.name, millimeters),
+                       {.codec = codec.codec, .error_bound = millimeters / 1000}});
       }
     } else {
       all.push_back({std::string(codec.name), {.codec = codec.codec}});

@@ -1,4 +1,6 @@
-// One warm segmentation of a synthetic frame, for callgrind to count: test/bench/instructions.py runs it.
+// SPDX-License-Identifier: Apache-2.0
+// Runs one warm segmentation of a synthetic frame, whose instructions callgrind counts. test/bench/instructions.py runs
+// it.
 //
 //   count_instructions METHOD
 #include <valgrind/callgrind.h>
@@ -23,9 +25,9 @@ int main(int argc, char** argv) {
   options.method = *method;
 
   segserve::Segmenter segmenter;
-  if (!segmenter.segment(scene->cloud, options).ok()) return 1;  // which allocates the workspace
+  if (!segmenter.segment(scene->cloud, options).ok()) return 1;  // This allocates the workspace.
   CALLGRIND_START_INSTRUMENTATION;
   const auto result = segmenter.segment(scene->cloud, options);
-  CALLGRIND_DUMP_STATS;  // into a file that ends in .1
+  CALLGRIND_DUMP_STATS;  // The name of the file ends in .1.
   return result.ok() ? 0 : 1;
 }

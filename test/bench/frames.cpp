@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "test/bench/frames.hpp"
 
 #include <algorithm>
@@ -14,8 +15,8 @@
 namespace segserve::bench {
 namespace {
 
-/// An organised cloud of a Kinect, 640 x 480, without its holes: a pixel without depth gets that of the nearest one to
-/// its left in the same row that has one, or else to its right; a row without any, 1.2 m.
+/// Fills the holes of an organized cloud of a Kinect (640 x 480). A pixel without depth gets the depth of the nearest
+/// pixel to its left in the same row, else of the nearest to its right, else 1.2 m.
 Cloud filled(Cloud cloud) {
   constexpr std::size_t kWidth = 640;
   constexpr float kFocalLength = 525, kCenterX = 319.5, kCenterY = 239.5;

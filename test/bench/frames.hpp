@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -12,9 +13,9 @@ struct Frame {
   Cloud cloud;
 };
 
-/// The frames that are timed: a few OSD scenes if they are at hand (SEGSERVE_DATA_DIR/osd/learn), one of them also
-/// with its holes filled, 307,200 finite points; a synthetic tabletop as a Kinect sees it, and one of 307,200 finite
-/// points, whose depths and colours have more noise.
+/// The frames that are timed: a few OSD scenes if they are there (SEGSERVE_DATA_DIR/osd/learn), one of them also with
+/// its holes filled (307,200 finite points); a synthetic tabletop as a Kinect sees it; and a synthetic tabletop with
+/// 307,200 finite points, whose depths and colors have more noise.
 const std::vector<Frame>& frames();
 
 }  // namespace segserve::bench

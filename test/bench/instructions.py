@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Instructions of one segmentation, which do not wander with what else the machine does, against a recorded budget.
+# SPDX-License-Identifier: Apache-2.0
+"""Compares the instructions of one segmentation, which do not depend on other load of the machine, with a budget.
 
     test/bench/instructions.py [--build build/release] [--record]
 
-Fails if a method takes more than 10 % above its budget in test/bench/instructions.json; --record writes the counts of
-this build as the new budget: do so when a change makes it faster, or costs more and is worth it (and say why in the
-commit). Counts are those of the AVX2 code; a CPU without is no place to compare them (exit code 77).
+Fails if a method takes more than 10 % above its budget in test/bench/instructions.json. --record writes the counts of
+this build as the new budget: do so when a change makes it faster, or when a change is worth its cost (and say why in the
+commit). Counts are those of the AVX2 code. On a CPU without AVX2 they are not compared (exit code 77).
 """
 import argparse
 import json
@@ -22,7 +23,7 @@ SKIPPED = 77
 
 
 def count(program, method):
-    """Instructions that valgrind saw from START to DUMP in count_instructions."""
+    """The instructions that valgrind saw from START to DUMP in count_instructions."""
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "callgrind.out"
         done = subprocess.run(
@@ -39,7 +40,7 @@ def main():
     parser.add_argument("--record", action="store_true")
     arguments = parser.parse_args()
     if " avx2 " not in pathlib.Path("/proc/cpuinfo").read_text():
-        print("skipped: the budget is that of the AVX2 code, and this CPU has none")
+        print("skipped: the budget is that of the AVX2 code, and this CPU has no AVX2")
         return SKIPPED
     counts = {method: count(arguments.build / "test/bench/count_instructions", method) for method in METHODS}
     if arguments.record:

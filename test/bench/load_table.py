@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""What a server on this machine carries: tables for BENCHMARK.md, measured by segctl bench against a server of its own.
+# SPDX-License-Identifier: Apache-2.0
+"""Measures how much load a server on this machine carries, and prints tables for BENCHMARK.md.
 
-    test/bench/load_table.py [--build build/release] [--seconds 10] [FILES ..]
+    test/bench/load_table.py [--build build/release] [--seconds 10] [FILES ...]
 
-FILES are PCD or PLY clouds; default: synthetic frames of 640 x 480. Closed loop, a frame in flight for each client,
-frames encoded anew each time, every label array verified. Server and clients share the machine's cores.
+segctl bench measures a server that this script starts. FILES are PCD or PLY clouds; the default is synthetic frames of
+640 x 480. The loop is closed with one frame in flight for each client; frames are encoded anew each time, and every label
+array is verified. Server and clients share the machine's cores.
 """
 import argparse
 import json
@@ -20,7 +22,7 @@ CODECS = ("planar", "planar-zstd", "strided", "strided-zstd", "quantised", "pcd"
 
 
 class Server:
-    """segserve on a free loopback port, until the end of the block."""
+    """A segserve on a free loopback port, which runs until the end of the `with` block."""
 
     def __init__(self, binary):
         self.folder = tempfile.TemporaryDirectory()
@@ -47,7 +49,7 @@ class Server:
 
 
 def measure(arguments, server, clients, codec):
-    """One run: the bench's own JSON, and the CPUs that the server kept busy, warm-up included."""
+    """The JSON of one run of segctl bench, with the server's CPU time per frame added (warm-up included)."""
     warm_up = 2
     frames = ["--input", *arguments.files] if arguments.files else []
     cpu = server.cpu_seconds()

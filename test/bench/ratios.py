@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""How much faster than PCL: runs segment_bench and prints tables for BENCHMARK.md.
+# SPDX-License-Identifier: Apache-2.0
+"""Measures how much faster than PCL segserve is: runs segment_bench and prints tables for BENCHMARK.md.
 
     test/bench/ratios.py [--build build/release] [--json FILE] [--filter REGEX]
 
---json writes what the tables hold, in milliseconds. Of five repetitions the fastest counts: the others only add what
-else the machine was doing. Peers take turns with ours in the same run.
+--json writes the contents of the tables, in milliseconds. The fastest of five repetitions counts, because the others
+only add other load of the machine. Peers take turns with ours in the same run.
 """
 import argparse
 import json
@@ -31,7 +32,7 @@ def run(arguments):
 
 
 def fastest(repetitions):
-    """frame -> what -> its fastest repetition"""
+    """The fastest repetition of each benchmark, as a dictionary frame -> what -> repetition."""
     best = {}
     for entry in repetitions:
         if entry.get("error_occurred"):
@@ -44,7 +45,7 @@ def fastest(repetitions):
 
 
 def tables(best):
-    """The same as plain numbers, ms."""
+    """The rows of the tables as plain numbers in milliseconds."""
     rows = []
     for frame, runs in sorted(best.items()):
         for ours, peer in PEER_OF.items():

@@ -1,13 +1,15 @@
-// How time and memory grow with the number of points, on one core. Run: scale_bench [--density D] [POINTS ..]
+// SPDX-License-Identifier: Apache-2.0
+// Measures how time and memory grow with the number of points, on one core. Run: scale_bench [--density D] [POINTS ...]
 //
-// Fused rooms in one unorganised WORLD cloud, by default 100,000 to 10 million points; 30000000 is worth a run, too. D
-// is about how many points a voxel shall have. By default it is 8.4, as on OSD frames at the default voxels (199,001
-// finite points in 23,788 voxels of learn5); with fewer, voxels decide the time, with more, points do. The exponent is
-// that of the power law through the first size from 300,000 points on and the last.
+// The clouds are fused rooms in one unorganized WORLD cloud, by default with 100,000 to 10 million points; 30000000 is
+// worth a run, too. D is the approximate number of points per voxel. Its default is 8.4, as in OSD frames with default
+// voxels (199,001 finite points in 23,788 voxels of learn5). With a smaller D the time depends mostly on the number of
+// voxels, with a larger D on the number of points. The printed exponent is that of the power law through the first size
+// of at least 300,000 points and the last size.
 //
-// The first call of a Segmenter is cold: memory comes from the system. Later ones are warm, and of these the fastest of
-// three counts. Workspace is what the first one allocated at most, beyond input and result; it counts every allocation
-// of the program.
+// The first call of a Segmenter is cold: its memory comes from the system. Later calls are warm, and the fastest of
+// three counts. The workspace is the peak of memory that the first call allocated, without input and result; every
+// allocation of the program is counted.
 #include <malloc.h>
 
 #include <algorithm>
@@ -63,9 +65,10 @@ namespace {
 
 constexpr double kUsualDensity = 8.4;
 constexpr double kRoomSize = 0.7;
-constexpr double kRoomVoxels = 297e3;  // of lambda-convex; from 1.8 to 3.7 million points they are the same by 1 %
+constexpr double kRoomVoxels =
+    297e3;  // of lambda-convex; nearly independent of the number of points from 1.8 to 3.7 million on
 
-/// A room with so many points in a voxel.
+/// A room with `density` points per voxel.
 Cloud whole_room(double density) {
   synth::RoomOptions options;
   options.size = kRoomSize;
@@ -78,8 +81,8 @@ Cloud whole_room(double density) {
   return std::move(scene->cloud);
 }
 
-/// Four sectors of a room, from its middle to its walls: so many points, and as much of everything as the room has. In
-/// the order in which a scanner would give them.
+/// The indices of `points` points in four sectors of a room, from its middle to its walls, so that they have the same
+/// mix of surfaces as the room. They are in the order in which a scanner would give them.
 std::vector<std::uint32_t> sectors(const Cloud& room, std::size_t points) {
   constexpr float kTurn = 6.2831853F;
   std::vector<std::uint32_t> order(room.size());
@@ -91,7 +94,8 @@ std::vector<std::uint32_t> sectors(const Cloud& room, std::size_t points) {
   return order;
 }
 
-/// As many rooms side by side as it takes: the same mix of surfaces, and the same density, whatever the size.
+/// As many rooms side by side as needed, so that clouds of every size have the same mix of surfaces and the same
+/// density.
 Cloud rooms(const Cloud& room, std::size_t points) {
   const std::size_t count = (points + room.size() - 1) / room.size();
   const std::vector<std::uint32_t> taken = sectors(room, points / count);
@@ -153,7 +157,7 @@ void run(Method method, const std::vector<Cloud>& clouds) {
       "workspace, bytes a point |\n",
       name(method));
   fmt::print("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
-  constexpr std::size_t kLeastOfExponent = 300'000;  // below, everything fits the caches
+  constexpr std::size_t kLeastOfExponent = 300'000;  // Smaller clouds fit into the caches.
   std::vector<std::pair<double, double>> logarithms;
   for (const Cloud& cloud : clouds) {
     const Measured m = measure(cloud, method);
@@ -173,7 +177,7 @@ void run(Method method, const std::vector<Cloud>& clouds) {
   }
 }
 
-/// False: it is no positive number.
+/// Returns false if the text is not a positive number.
 template <typename Number>
 bool read(std::string_view text, Number& number) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -184,7 +188,7 @@ bool read(std::string_view text, Number& number) {
 }  // namespace segserve::bench
 
 int main(int argc, char** argv) {
-  // As in the mains of segserve and segctl: memory that one stage gives back goes to the next, not to the system.
+  // As in segserve, memory that one stage frees is kept for the next.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   double density = segserve::bench::kUsualDensity;
@@ -193,7 +197,7 @@ int main(int argc, char** argv) {
     const bool is_density = std::string_view(argv[i]) == "--density";
     if (is_density ? ++i == argc || !segserve::bench::read(argv[i], density)
                    : !segserve::bench::read(argv[i], sizes.emplace_back())) {
-      fmt::print(stderr, "usage: scale_bench [--density POINTS_A_VOXEL] [POINTS ..], positive numbers\n");
+      fmt::print(stderr, "usage: scale_bench [--density POINTS_A_VOXEL] [POINTS ...], positive numbers\n");
       return 2;
     }
   }

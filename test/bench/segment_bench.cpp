@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 // From points to labels and merge tree, stage by stage, on one core, with PCL as the peer in the same run.
-// Run: test/bench/ratios.py, which also divides; or segment_bench with the flags of Google Benchmark.
+// Run test/bench/ratios.py, which also computes the ratios, or segment_bench with the flags of Google Benchmark.
 //
-// Benchmarks are named WHAT/FRAME:
-//   border, lambda-convex   the whole of ours
-//   pcl-vccs                PCL's SupervoxelClustering with the settings of lambda-convex, up to the supervoxels
-//   pcl-lccp                PCL's SupervoxelClustering and LCCPSegmentation, with LCCP's best settings, up to labels
+// A benchmark is named WHAT/FRAME, where WHAT is
+//   border, lambda-convex   our whole segmentation,
+//   pcl-vccs                PCL's SupervoxelClustering with the settings of lambda-convex, which makes only
+//   supervoxels, pcl-lccp                PCL's SupervoxelClustering and LCCPSegmentation with LCCP's best settings,
+//   which make labels.
 #include <benchmark/benchmark.h>
 
 #include <string>

@@ -1,8 +1,10 @@
-// What the service adds to the segmentation. Run: service_bench [frames]
+// SPDX-License-Identifier: Apache-2.0
+// Measures what the service adds to the segmentation. Run: service_bench [frames]
 //
-// 1. A stream of raw frames of 307,200 points through the loopback, client and server in this process, one frame at a
-//    time: the time from handing over the cloud to its labels, minus the stages of the segmentation.
-// 2. The frames that two workers do in the time in which one does one, without transport.
+// 1. A stream sends raw frames of 307,200 points over loopback, one at a time; client and server are in this process.
+//    The overhead is the time from handing over the cloud until its labels are there, minus the stages of the
+//    segmentation.
+// 2. The throughput of two workers is divided by that of one, without transport.
 #include <malloc.h>
 
 #include <algorithm>
@@ -37,7 +39,7 @@ double median(std::vector<double> values) {
 
 const Frame& frame_named(std::string_view name) { return *std::ranges::find(frames(), name, &Frame::name); }
 
-/// Median over `count` frames of call and segmentation, ms.
+/// Prints medians over `count` frames.
 void measure_overhead(int count) {
   server::ServerOptions server_options;
   server_options.listen = "127.0.0.1:0";
@@ -49,7 +51,7 @@ void measure_overhead(int count) {
   auto stream = client.open_stream({.options = options, .outputs = {.labels = true}}).value();
   const auto cloud = std::make_shared<const Cloud>(frame_named("synthetic-full").cloud);
   std::vector<double> calls, overheads, waits, decodes, encodes, client_decodes;
-  for (int i = -5; i < count; ++i) {  // the first ones warm up
+  for (int i = -5; i < count; ++i) {  // Negative numbers are frames that warm up.
     const Clock::time_point begin = Clock::now();
     if (!stream.send(cloud).ok()) return;
     const auto outcome = stream.next();
@@ -63,7 +65,7 @@ void measure_overhead(int count) {
     encodes.push_back(outcome->result->timings.encode);
     client_decodes.push_back(outcome->report.decode_ms);
   }
-  fmt::print("one raw frame of {} points at a time: call {:.1f} ms, of which beyond the segmentation {:.1f} ms\n",
+  fmt::print("one raw frame of {} points at a time: call {:.1f} ms, of which outside of the segmentation {:.1f} ms\n",
              cloud->size(), median(calls), median(overheads));
   const double known = median(waits) + median(decodes) + median(encodes) + median(client_decodes);
   fmt::print(
@@ -72,7 +74,7 @@ void measure_overhead(int count) {
       median(waits), median(decodes), median(encodes), median(client_decodes), median(overheads) - known);
 }
 
-/// Frames a second of `workers` workers.
+/// The throughput of `workers` workers.
 double frames_per_second(std::size_t workers, int count) {
   std::vector<std::unique_ptr<server::SegmentationBackend>> segmenters(workers);
   std::ranges::generate(segmenters, server::core_backend_factory());
@@ -85,14 +87,14 @@ double frames_per_second(std::size_t workers, int count) {
       pool.submit({.client = "bench"},
                   {.run = [&](std::size_t worker) { (void)segmenters[worker]->segment(cloud, {}, {}); }});
     }
-  }  // waits for all
+  }  // The destructor waits until all jobs are done.
   return count / ms_since(begin) * 1000;
 }
 
 void measure_workers(int count) {
   std::vector<double> ratios;
   double one = 0, two = 0;
-  for (int round = 0; round < 5; ++round) {  // in turn, so that what else the machine does meets both
+  for (int round = 0; round < 5; ++round) {  // They take turns, so that other load on the machine affects both.
     one = frames_per_second(1, count);
     two = frames_per_second(2, 2 * count);
     ratios.push_back(two / one);
@@ -104,7 +106,8 @@ void measure_workers(int count) {
 }  // namespace segserve::bench
 
 int main(int argc, char** argv) {
-  // As in the mains of segserve and segctl: large buffers are kept, not given back and faulted in again for each frame.
+  // As in segserve, large buffers are kept. Otherwise every frame would return them to the system and fault them in
+  // again.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
   const int count = argc > 1 ? std::max(1, std::atoi(argv[1])) : 50;
