@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -7,6 +8,7 @@
 
 #include "absl/status/status.h"
 #include "client/segctl/batch_inputs.hpp"
+#include "client/segctl/json_flag.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/segment_arguments.hpp"
 #include "segserve/client/client.hpp"
@@ -17,18 +19,18 @@ namespace segserve::segctl {
 struct BatchJob {
   std::vector<BatchInput> inputs;
   SegmentRequest request;
-  std::size_t parallel = 4;              ///< files at the same time
-  std::optional<client::Client> client;  ///< unset: in this process
-  std::string server;                    ///< its address, for summaries
+  std::size_t parallel = 4;              ///< How many files are segmented at the same time.
+  std::optional<client::Client> client;  ///< Unset: everything is segmented in this process.
+  std::string server;                    ///< Its address, for summaries.
   client::StreamOptions stream;
-  const SceneOutput* format = nullptr;  ///< encoding and colour of the labelled clouds
-  std::string json_path;                ///< one JSON object a file, a line each; "-": standard output; empty: none
+  const SceneOutput* format = nullptr;  ///< Encoding and colors of the labeled clouds; not null.
+  const JsonFlag* json = nullptr;       ///< Where one JSON object a file goes, each on a line; not null.
   bool quiet = false;
 };
 
 /// Segments every file whose output is not there yet. Each output appears whole or not at all, so that a run that was
 /// stopped goes on where it was. A file that fails stops no other: errors are listed at the end. The status is OK if
-/// no file failed; INVALID_ARGUMENT if it was the fault of files alone.
+/// no file failed, and INVALID_ARGUMENT if every failure was the fault of the file.
 absl::Status run_batch(const BatchJob& job);
 
 }  // namespace segserve::segctl

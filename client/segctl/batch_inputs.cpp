@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/batch_inputs.hpp"
 
 #include <algorithm>
@@ -7,10 +8,9 @@
 #include <map>
 #include <system_error>
 
-#include "client/segctl/view_flag.hpp"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
-#include "proto/wire/options_message.hpp"
 
 namespace segserve::segctl {
 namespace {
@@ -24,7 +24,7 @@ bool is_cloud_file(const fs::directory_entry& entry) {
   return entry.is_regular_file(error) && (extension == ".pcd" || extension == ".ply");
 }
 
-absl::Status list(const std::string& folder, std::vector<std::string>& files) {
+absl::Status append_cloud_files(const std::string& folder, std::vector<std::string>& files) {
   std::error_code error;
   std::vector<std::string> found;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -36,13 +36,13 @@ absl::Status list(const std::string& folder, std::vector<std::string>& files) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<std::string>> expand(const std::vector<std::string>& paths) {
+absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     std::error_code error;
     if (path == "-") return absl::InvalidArgumentError("standard input has no name for --out-dir");
     if (fs::is_directory(path, error)) {
-      if (absl::Status status = list(path, files); !status.ok()) return status;
+      RETURN_IF_ERROR(append_cloud_files(path, files));
     } else if (fs::exists(path, error)) {
       files.push_back(path);
     } else {
@@ -57,11 +57,10 @@ absl::StatusOr<std::vector<std::string>> expand(const std::vector<std::string>& 
 
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths,
                                                      const std::string& out_dir) {
-  const auto files = expand(paths);
-  if (!files.ok()) return files.status();
+  ASSIGN_OR_RETURN(const auto files, expand_folders(paths));
   std::vector<BatchInput> inputs;
-  std::map<std::string, std::string> owners;  // of a name in the output folder
-  for (const std::string& file : *files) {
+  std::map<std::string, std::string> owners;  // from a name in the output folder to the file that is written there
+  for (const std::string& file : files) {
     const std::string name = fs::path(file).stem().string();
     const auto [owner, is_new] = owners.emplace(name, file);
     if (!is_new) {
@@ -78,26 +77,18 @@ absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::stri
   return inputs;
 }
 
-std::string batch_key(const Options& options, const std::optional<View>& view,
-                      const std::optional<wire::CodecOptions>& codec, bool segments) {
-  std::string key = fmt::format("{} {}", wire::options_hash(options), view ? view_text(*view) : "as the file says");
-  if (codec && !wire::info(codec->codec).is_lossless) {
-    key += fmt::format(" {} {} {}", wire::info(codec->codec).name, codec->error_bound, codec->jpeg_quality);
-  }
-  if (segments) key += " segments";
-  return key;
-}
-
-bool is_done(const BatchInput& input, const std::string& key) {
+std::optional<DoneBefore> done_before(const BatchInput& input, const std::string& key) {
   std::error_code error;
-  if (!fs::is_regular_file(input.cloud_path, error)) return false;
+  if (!fs::is_regular_file(input.cloud_path, error)) return std::nullopt;
   std::ifstream file(input.summary_path);
   const auto summary = nlohmann::json::parse(file, nullptr, false);
-  if (!summary.is_object()) return false;
-  const auto found = summary.find("batch");
-  if (found == summary.end() || !found->is_object()) return false;
-  return found->value("key", "") == key &&
-         found->value("input_bytes", std::uint64_t{0}) == fs::file_size(input.path, error);
+  if (!summary.is_object()) return std::nullopt;
+  const auto batch = summary.find("batch");
+  if (batch == summary.end() || !batch->is_object()) return std::nullopt;
+  const bool is_same = batch->value("key", "") == key &&
+                       batch->value("input_bytes", std::uint64_t{0}) == fs::file_size(input.path, error);
+  if (!is_same) return std::nullopt;
+  return DoneBefore{summary.value("points", std::size_t{0}), summary.value("segments", std::uint32_t{0})};
 }
 
 }  // namespace segserve::segctl

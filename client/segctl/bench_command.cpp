@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -14,10 +15,14 @@
 #include "client/segctl/codec_flags.hpp"
 #include "client/segctl/command.hpp"
 #include "client/segctl/input_file.hpp"
+#include "client/segctl/json_flag.hpp"
+#include "client/segctl/not_negative.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/server_flags.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/lab/synth/scene.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -29,26 +34,32 @@ namespace {
 
 constexpr double kDefaultTimeout = 30;
 constexpr std::size_t kOpenLoopInFlight = 8;
+constexpr std::size_t kOpenLoopWaiting = 1024;  // An open loop must not wait until the stream takes a frame.
 
-constexpr const char* kFooter = R"(Examples:
-  segctl bench --clients 4 --duration 10
-  segctl bench --rate 30 --objective "p99<50ms" --objective "errors<=0%" --json -
-  segctl bench --input scene1.pcd scene2.pcd --clients 8 --in-flight 2 --verify
-  segctl bench --clients 32 --codec planar,quantised,rgbd --objective "least-share>=50%"
+constexpr const char* kDetails =
+    R"(Without --rate the loop is closed: every client sends a frame as soon as it has fewer than --in-flight unanswered ones.
+With it the loop is open: frames are due at fixed or random times, whatever became of earlier frames. Latency counts
+from the time at which a frame was due until its result is decoded, so that a server that stalls does not hide the
+frames that it held up. "since sent" counts from the time at which the frame was handed over.
 
-Without --rate the loop is closed: every client sends a frame as soon as it has fewer than --in-flight
-unanswered ones. With it the loop is open: frames are meant to go at their time, whatever became of those
-before. Latency counts from that intended time to the decoded result, so that a server that stalls
-does not hide the frames it held up; "since sent" counts from the actual hand-over.
+Objectives are METRIC<NUMBER, also <=, > and >=. Metrics: p50, p90, p99, p99.9, mean, max (with unit us, ms or s), fps,
+mpoints (million points a second), errors (share of the frames, with %), least-share (the results of the client with the
+fewest, as a share of the clients' mean, with %).)";
 
-Objectives are METRIC<NUMBER, also <=, >, >=; metrics: p50, p90, p99, p99.9, mean, max (with unit us,
-ms or s), fps, mpoints (million points a second), errors (share of the frames, with %), least-share
-(the results of the client with the fewest, as a share of the clients' mean, with %).
+HelpText help() {
+  return {.common = {"--clients", "--rate", "--arrivals", "--duration", "--input", "--codec", "--verify", "--objective",
+                     "--json", "--server", "--method"},
+          .examples = R"(segctl bench --clients 4 --duration 10
+segctl bench --rate 30 --objective "p99<50ms" --objective "errors<=0%" --json -
+segctl bench --input scene1.pcd scene2.pcd --clients 8 --in-flight 2 --verify
+segctl bench --clients 32 --codec planar,quantised,rgbd --objective "least-share>=50%")",
+          .details = kDetails,
+          .exit_codes =
+              "0 success, every objective was met; 1 an objective was missed, a label array differs (--verify),\n"
+              "or there is no server; 2 bad input or usage."};
+}
 
-Exit codes: 0 done, all objectives met; 1 an objective missed, a label array that differs (--verify),
-or no server; 2 bad input or usage.)";
-
-struct Arguments {
+struct BenchArguments {
   OptionFlags options;
   ServerFlags server;
   std::size_t clients = 1;
@@ -66,66 +77,82 @@ struct Arguments {
   bool verify = false;
   std::vector<std::string> outputs{"labels"};
   std::vector<std::string> objectives;
-  std::string json_path;
+  JsonFlag json;
+
+  void add_to(CLI::App& app);
+
+ private:
+  void add_load_flags(CLI::App& app);
+  void add_frame_flags(CLI::App& app);
 };
 
-void add_flags(CLI::App& app, Arguments& a) {
-  app.add_option("--clients", a.clients, "robots at the same time, each with a connection of its own")
+void BenchArguments::add_load_flags(CLI::App& app) {
+  const std::string group = "Load";
+  app.add_option("--clients", clients, "number of robots at the same time, each with a connection of its own")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str()
-      ->group("Load");
-  app.add_option("--in-flight", a.in_flight,
-                 fmt::format("unanswered frames of a client at most; default 1, with --rate {}", kOpenLoopInFlight))
+      ->group(group);
+  app.add_option("--in-flight", in_flight,
+                 fmt::format("most unanswered frames of a client; default 1, with --rate {}", kOpenLoopInFlight))
       ->check(CLI::Range(1, 256))
-      ->group("Load");
-  CLI::Option* rate = app.add_option("--rate", a.rate, "open loop: frames a second, of all clients together")
-                          ->check(CLI::Range(0.001, 1e6))
-                          ->group("Load");
-  app.add_option("--arrivals", a.arrivals, "of an open loop")
+      ->group(group);
+  CLI::Option* rate_flag = app.add_option("--rate", rate, "open loop: frames a second of all clients together")
+                               ->check(CLI::Range(0.001, 1e6))
+                               ->group(group);
+  app.add_option("--arrivals", arrivals, "when frames are due in an open loop")
       ->check(CLI::IsMember({"constant", "poisson"}))
       ->capture_default_str()
-      ->needs(rate)
-      ->group("Load");
-  app.add_option("--duration", a.duration_s, "seconds that are measured")
+      ->needs(rate_flag)
+      ->group(group);
+  app.add_option("--duration", duration_s, "seconds that are measured")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str()
-      ->group("Load");
-  app.add_option("--warm-up", a.warm_up_s, "seconds before that")
+      ->group(group);
+  app.add_option("--warm-up", warm_up_s, "seconds before the measurement")
       ->check(CLI::Range(0.0, 3600.0))
       ->capture_default_str()
-      ->group("Load");
-  CLI::Option* inputs = app.add_option("--input", a.inputs, "PCD or PLY files; default: synthetic scenes")
-                            ->type_name("FILES")
-                            ->group("Frames");
-  app.add_option("--size", a.size, "of synthetic frames, pixels")
+      ->group(group);
+}
+
+void BenchArguments::add_frame_flags(CLI::App& app) {
+  const std::string group = "Frames";
+  CLI::Option* input_flag = app.add_option("--input", inputs, "PCD or PLY files; default: synthetic scenes")
+                                ->type_name("FILES")
+                                ->group(group);
+  app.add_option("--size", size, "size of synthetic frames in pixels")
       ->type_name("WxH")
       ->capture_default_str()
-      ->excludes(inputs)
-      ->group("Frames");
-  app.add_option("--scenes", a.scenes, "how many different synthetic frames")
+      ->excludes(input_flag)
+      ->group(group);
+  app.add_option("--scenes", scenes, "number of different synthetic frames")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str()
-      ->excludes(inputs)
-      ->group("Frames");
-  app.add_option("--seed", a.seed, "of synthetic frames and random arrivals")->capture_default_str()->group("Frames");
-  a.codec.add_to(app, "default: planar; several, as planar,rgbd: clients use them in turn", "Frames");
-  app.add_flag("--encoded-beforehand", a.encoded_beforehand, "encode every frame once, before the run")
-      ->group("Frames");
-  app.add_option("--outputs", a.outputs, "what the answers hold: labels, supervoxels, tree, segments")
+      ->excludes(input_flag)
+      ->group(group);
+  app.add_option("--seed", seed, "seed of synthetic frames and random arrivals")
+      ->check(not_negative())
+      ->capture_default_str()
+      ->group(group);
+  codec.add_to(app, "default: planar; several, as planar,rgbd: clients use them in turn", group);
+  app.add_flag("--encoded-beforehand", encoded_beforehand, "encode every frame once, before the run")->group(group);
+  app.add_option("--outputs", outputs, "arrays in the answers: labels, supervoxels, tree, segments")
       ->check(CLI::IsMember({"labels", "supervoxels", "tree", "segments"}))
       ->delimiter(',')
       ->capture_default_str()
-      ->group("Frames");
-  app.add_flag("--verify", a.verify, "compare every label array with a local run on what the server decodes")
+      ->group(group);
+}
+
+void BenchArguments::add_to(CLI::App& app) {
+  add_load_flags(app);
+  add_frame_flags(app);
+  app.add_flag("--verify", verify, "compare every label array with a local run on what the server decodes")
       ->group("Result");
-  app.add_option("--objective", a.objectives, "what the run must reach, e.g. \"p99<50ms\"; may be repeated")
+  app.add_option("--objective", objectives, "what the run must reach, e.g. \"p99<50ms\"; may be repeated")
       ->type_name("TEXT")
       ->group("Result");
-  app.add_option("--json", a.json_path, "write the measurements as one JSON object; - is standard output")
-      ->type_name("FILE")
-      ->group("Result");
-  a.server.add_to(app, kDefaultTimeout);
-  a.options.add_to(app);
+  json.add_to(app, "write the measurements as one JSON object");
+  server.add_to(app, kDefaultTimeout);
+  options.add_to(app);
 }
 
 using SharedClouds = std::vector<std::shared_ptr<const Cloud>>;
@@ -133,19 +160,15 @@ using SharedClouds = std::vector<std::shared_ptr<const Cloud>>;
 absl::StatusOr<SharedClouds> load_files(const std::vector<std::string>& paths) {
   SharedClouds clouds;
   for (const std::string& path : paths) {
-    const auto bytes = read_input(path);
-    if (!bytes.ok()) return bytes.status();
-    auto scene = codec::decode_cloud(std::as_bytes(std::span(*bytes)), {});
-    if (!scene.ok()) {
-      return absl::Status(scene.status().code(),
-                          fmt::format("{}: {}", input_name(path), std::string(scene.status().message())));
-    }
+    ASSIGN_OR_RETURN(const std::string bytes, read_input(path));
+    auto scene = codec::decode_cloud(std::as_bytes(std::span(bytes)), {});
+    if (!scene.ok()) return with_prefix(input_name(path), scene.status());
     clouds.push_back(std::make_shared<const Cloud>(std::move(scene->cloud)));
   }
   return clouds;
 }
 
-absl::StatusOr<SharedClouds> make_scenes(const Arguments& arguments) {
+absl::StatusOr<SharedClouds> make_scenes(const BenchArguments& arguments) {
   synth::SceneOptions options;
   int end = 0;
   const bool parsed = std::sscanf(arguments.size.c_str(), "%5ux%5u%n", &options.width, &options.height, &end) == 2;
@@ -155,9 +178,8 @@ absl::StatusOr<SharedClouds> make_scenes(const Arguments& arguments) {
   SharedClouds clouds;
   for (std::size_t i = 0; i < arguments.scenes; ++i) {
     options.seed = arguments.seed + i;
-    auto scene = synth::make_tabletop(options);
-    if (!scene.ok()) return scene.status();
-    clouds.push_back(std::make_shared<const Cloud>(std::move(scene->cloud)));
+    ASSIGN_OR_RETURN(auto scene, synth::make_tabletop(options));
+    clouds.push_back(std::make_shared<const Cloud>(std::move(scene.cloud)));
   }
   return clouds;
 }
@@ -166,15 +188,12 @@ std::chrono::milliseconds to_milliseconds(double seconds) {
   return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000));
 }
 
-absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
-  const auto timeout = arguments.server.timeout();
-  if (!timeout.ok()) return timeout.status();
-  const auto options = arguments.options.options();
-  if (!options.ok()) return options.status();
+absl::StatusOr<bench::LoadOptions> load_options(const BenchArguments& arguments) {
   bench::LoadOptions load;
-  load.client = {.address = arguments.server.address(), .timeout = *timeout};
+  ASSIGN_OR_RETURN(const auto timeout, arguments.server.timeout());
+  load.client = {.address = arguments.server.address(), .timeout = timeout};
   load.stream.client_name = "segctl bench";
-  load.stream.options = *options;
+  ASSIGN_OR_RETURN(load.stream.options, arguments.options.options());
   const auto wants = [&](const char* name) {
     return std::ranges::find(arguments.outputs, name) != arguments.outputs.end();
   };
@@ -187,8 +206,8 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
   }
   load.stream.order = client::Order::kDone;
   load.stream.max_in_flight = arguments.in_flight.value_or(arguments.rate > 0 ? kOpenLoopInFlight : 1);
-  load.stream.max_waiting = arguments.rate > 0 ? 1024 : 1;  // a sender that had to wait would not be an open loop
-  load.stream.frame_timeout = *timeout;
+  load.stream.max_waiting = arguments.rate > 0 ? kOpenLoopWaiting : 1;
+  load.stream.frame_timeout = timeout;
   load.clients = arguments.clients;
   load.rate = arguments.rate;
   load.poisson = arguments.arrivals == "poisson";
@@ -200,13 +219,11 @@ absl::StatusOr<bench::LoadOptions> load_options(const Arguments& arguments) {
   return load;
 }
 
-absl::StatusOr<bench::FrameSource> frame_source(const Arguments& arguments) {
-  auto clouds = arguments.inputs.empty() ? make_scenes(arguments) : load_files(arguments.inputs);
-  if (!clouds.ok()) return clouds.status();
-  const auto codecs = arguments.codec.list();
-  if (!codecs.ok()) return codecs.status();
-  bench::FrameSource source{*std::move(clouds), {}};
-  for (const wire::CodecOptions& options : *codecs) {
+absl::StatusOr<bench::FrameSource> frame_source(const BenchArguments& arguments) {
+  bench::FrameSource source;
+  ASSIGN_OR_RETURN(source.clouds, arguments.inputs.empty() ? make_scenes(arguments) : load_files(arguments.inputs));
+  ASSIGN_OR_RETURN(const auto codecs, arguments.codec.list());
+  for (const wire::CodecOptions& options : codecs) {
     source.encodings.push_back(
         {std::string(wire::info(options.codec).name),
          [options](std::shared_ptr<const Cloud> cloud) { return client::cloud_payload(std::move(cloud), options); },
@@ -215,25 +232,24 @@ absl::StatusOr<bench::FrameSource> frame_source(const Arguments& arguments) {
   return source;
 }
 
-/// "planar, rgbd".
-std::string names(const std::vector<bench::Encoding>& encodings) {
+/// For example "planar, rgbd".
+std::string names_of(const std::vector<bench::Encoding>& encodings) {
   std::string names;
-  for (const bench::Encoding& encoding : encodings)
+  for (const bench::Encoding& encoding : encodings) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", encoding.name);
+  }
   return names;
 }
 
-absl::StatusOr<std::vector<bench::Objective>> objectives(const Arguments& arguments) {
+absl::StatusOr<std::vector<bench::Objective>> parse_objectives(const BenchArguments& arguments) {
   std::vector<bench::Objective> all;
   for (const std::string& text : arguments.objectives) {
-    const auto objective = bench::parse_objective(text);
-    if (!objective.ok()) return objective.status();
-    all.push_back(*objective);
+    ASSIGN_OR_RETURN(all.emplace_back(), bench::parse_objective(text));
   }
   return all;
 }
 
-/// The first reason for an exit code other than 0.
+/// The first reason for an exit code other than 0, or OK.
 absl::Status verdict(const bench::Report& report, const std::vector<bench::Objective>& wanted) {
   if (report.mismatches > 0) {
     return absl::InternalError(
@@ -253,43 +269,32 @@ absl::Status verdict(const bench::Report& report, const std::vector<bench::Objec
   return absl::OkStatus();
 }
 
-absl::Status run(const Arguments& arguments) {
-  StagedOutput output;
-  if (!arguments.json_path.empty()) {
-    if (absl::Status status = output.announce(arguments.json_path); !status.ok()) return status;
-  }
-  const auto wanted = objectives(arguments);
-  if (!wanted.ok()) return wanted.status();
-  const auto load = load_options(arguments);
-  if (!load.ok()) return load.status();
-  const auto source = frame_source(arguments);
-  if (!source.ok()) return source.status();
-  const auto client = arguments.server.connect();
-  if (!client.ok()) return client.status();
-  if (const auto info = client->server_info(); !info.ok()) return info.status();  // before a run that nobody answers
+absl::StatusOr<bench::Report> run_with_progress(const bench::LoadOptions& load, const bench::FrameSource& source) {
+  const ProgressBar bar("bench");
+  return bench::run_load(load, source, [&bar](double share) { bar.show(static_cast<std::size_t>(share * 100), 100); });
+}
 
-  absl::StatusOr<bench::Report> report = absl::UnknownError("");
-  {
-    const ProgressBar bar("bench");
-    report =
-        bench::run_load(*load, *source, [&bar](double share) { bar.show(static_cast<std::size_t>(share * 100), 100); });
-  }
-  if (!report.ok()) return report.status();
-  const BenchSummary summary{*report, *load, *wanted, arguments.server.address(), names(source->encodings)};
-  if (!arguments.json_path.empty()) output.add(arguments.json_path, to_json(summary).dump() + "\n");
+absl::Status run(const BenchArguments& arguments) {
+  StagedOutput output;
+  RETURN_IF_ERROR(arguments.json.announce(output));
+  ASSIGN_OR_RETURN(const auto objectives, parse_objectives(arguments));
+  ASSIGN_OR_RETURN(const auto load, load_options(arguments));
+  ASSIGN_OR_RETURN(const auto source, frame_source(arguments));
+  ASSIGN_OR_RETURN(const auto client, arguments.server.connect());
+  RETURN_IF_ERROR(client.server_info().status());  // Without a server there is nothing to measure.
+
+  ASSIGN_OR_RETURN(const auto report, run_with_progress(load, source));
+  const BenchSummary summary{report, load, objectives, arguments.server.address(), names_of(source.encodings)};
+  arguments.json.add(output, to_json(summary));
   if (!output.uses_stdout()) output.add("-", to_text(summary));
-  if (absl::Status status = output.commit(); !status.ok()) return status;
-  return verdict(*report, *wanted);
+  RETURN_IF_ERROR(output.commit());
+  return verdict(report, objectives);
 }
 
 }  // namespace
 
 void add_bench_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("bench", "Load a server, and measure latency and throughput");
-  auto arguments = std::make_shared<Arguments>();
-  add_flags(*command, *arguments);
-  command->footer(kFooter);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
+  add_command(app, chosen, "bench", "Load a server, and measure latency and throughput", help(), run);
 }
 
 }  // namespace segserve::segctl

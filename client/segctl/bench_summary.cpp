@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/bench_summary.hpp"
 
 #include <algorithm>
@@ -15,26 +16,51 @@ using Json = nlohmann::ordered_json;
 constexpr std::array<std::pair<const char*, double>, 4> kPercentiles{
     {{"p50", 50}, {"p90", 90}, {"p99", 99}, {"p99.9", 99.9}}};
 
+/// A figure that is computed from results: null if there is none.
+Json figure(double value, std::uint64_t results) { return results > 0 ? Json(value) : Json(); }
+
 Json latency_json(const bench::Samples& samples) {
   Json json;
-  for (const auto& [name, percent] : kPercentiles) json[name] = samples.percentile(percent);
-  json["max"] = samples.max();
-  json["mean"] = samples.mean();
+  for (const auto& [name, percent] : kPercentiles) json[name] = figure(samples.percentile(percent), samples.count());
+  json["max"] = figure(samples.max(), samples.count());
+  json["mean"] = figure(samples.mean(), samples.count());
   return json;
 }
 
 std::string latency_text(const bench::Samples& samples) {
+  if (samples.count() == 0) return "no results";
   std::string text;
-  for (const auto& [name, percent] : kPercentiles)
+  for (const auto& [name, percent] : kPercentiles) {
     text += fmt::format("{} {:.1f}, ", name, samples.percentile(percent));
+  }
   return text + fmt::format("max {:.1f}", samples.max());
 }
 
-/// CPUs that this process kept busy.
+/// The number of CPUs that this process kept busy.
 double busy_cpus(const bench::Report& report) { return report.seconds > 0 ? report.cpu_seconds / report.seconds : 0; }
 
 std::uint64_t per_result(std::uint64_t bytes, const bench::Report& report) {
   return report.results == 0 ? 0 : bytes / report.results;
+}
+
+/// Describes the load and the server.
+std::string load_text(const BenchSummary& summary) {
+  const bench::LoadOptions& load = summary.load;
+  const std::string loop =
+      load.rate > 0 ? fmt::format("{} arrivals at {} frames/s", load.poisson ? "poisson" : "constant", load.rate)
+                    : fmt::format("{} in flight each", load.stream.max_in_flight);
+  return fmt::format("{} client{} at {}, {}, {}: {} frames in {:.1f} s\n", load.clients, load.clients == 1 ? "" : "s",
+                     summary.server, loop, summary.codec, summary.report.sent, summary.report.seconds);
+}
+
+/// Where the time of a frame with a result goes.
+std::string cost_text(const bench::Report& report) {
+  std::string text = "stages ms     ";
+  for (std::size_t i = 0; i < bench::kStages.size(); ++i) {
+    text += fmt::format("{}{} {:.2f}", i == 0 ? "" : ", ", bench::kStages[i], report.mean_stage_ms(i));
+  }
+  return text + fmt::format("\nthis process  {:.2f} ms of CPU a frame, {:.2f} CPUs busy\n", report.cpu_ms_per_frame(),
+                            busy_cpus(report));
 }
 
 }  // namespace
@@ -56,7 +82,7 @@ Json to_json(const BenchSummary& summary) {
   json["frames"] = {
       {"sent", report.sent}, {"results", report.results}, {"repeated", report.repeated}, {"late", report.late}};
   json["results_of_client"] = report.results_of_client;
-  json["least_share_percent"] = report.least_share_percent();
+  json["least_share_percent"] = figure(report.least_share_percent(), report.results);
   json["errors"] = Json::object();
   for (const auto& [key, count] : report.errors) json["errors"][key] = count;
   json["frames_per_s"] = report.frames_per_second();
@@ -67,9 +93,9 @@ Json to_json(const BenchSummary& summary) {
   json["bytes_down"] = report.bytes_down;
   json["stages_ms"] = Json::object();
   for (std::size_t i = 0; i < bench::kStages.size(); ++i) {
-    json["stages_ms"][std::string(bench::kStages[i])] = report.mean_stage_ms(i);
+    json["stages_ms"][std::string(bench::kStages[i])] = figure(report.mean_stage_ms(i), report.results);
   }
-  json["client_cpu_ms_per_frame"] = report.cpu_ms_per_frame();
+  json["client_cpu_ms_per_frame"] = figure(report.cpu_ms_per_frame(), report.results);
   json["client_busy_cpus"] = busy_cpus(report);
   json["verified"] = load.verify ? Json(report.verified) : Json();
   json["mismatches"] = load.verify ? Json(report.mismatches) : Json();
@@ -84,24 +110,15 @@ Json to_json(const BenchSummary& summary) {
 std::string to_text(const BenchSummary& summary) {
   const bench::Report& report = summary.report;
   const bench::LoadOptions& load = summary.load;
-  const std::string loop =
-      load.rate > 0 ? fmt::format("{} arrivals at {} frames/s", load.poisson ? "poisson" : "constant", load.rate)
-                    : fmt::format("{} in flight each", load.stream.max_in_flight);
-  std::string text =
-      fmt::format("{} client{} at {}, {}, {}: {} frames in {:.1f} s\n", load.clients, load.clients == 1 ? "" : "s",
-                  summary.server, loop, summary.codec, report.sent, report.seconds);
+  std::string text = load_text(summary);
   text += fmt::format("throughput    {:.1f} frames/s, {:.2f} Mpoints/s; a frame {} bytes up, {} down\n",
                       report.frames_per_second(), report.mpoints_per_second(), per_result(report.bytes_up, report),
                       per_result(report.bytes_down, report));
   text += fmt::format("latency ms    {}\n", latency_text(report.latency));
-  if (load.rate > 0)
+  if (load.rate > 0) {
     text += fmt::format("since sent    {}; {} frames sent late\n", latency_text(report.since_sent), report.late);
-  text += "stages ms     ";
-  for (std::size_t i = 0; i < bench::kStages.size(); ++i) {
-    text += fmt::format("{}{} {:.2f}", i == 0 ? "" : ", ", bench::kStages[i], report.mean_stage_ms(i));
   }
-  text += fmt::format("\nthis process  {:.2f} ms of CPU a frame, {:.2f} CPUs busy\n", report.cpu_ms_per_frame(),
-                      busy_cpus(report));
+  if (report.results > 0) text += cost_text(report);
   if (load.clients > 1) {
     text += fmt::format("fairness      the client with the fewest results got {:.0f} % of the mean\n",
                         report.least_share_percent());

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 
 namespace segserve::segctl {
 
-/// A load test and what it measured.
+/// A load test and its measurements.
 struct BenchSummary {
   const bench::Report& report;
   const bench::LoadOptions& load;
@@ -18,9 +19,10 @@ struct BenchSummary {
   std::string server, codec;
 };
 
+/// One object. Figures that are computed from results are null if there is no result.
 nlohmann::ordered_json to_json(const BenchSummary& summary);
 
-/// A table for people.
+/// A few lines for people.
 std::string to_text(const BenchSummary& summary);
 
 }  // namespace segserve::segctl

@@ -1,24 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/codec_flags.hpp"
 
 #include <algorithm>
 
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/quantised.hpp"
 
 namespace segserve::segctl {
 namespace {
 
-constexpr double kMillimetres = 1000;  // in a metre
+constexpr double kMillimetersPerMeter = 1000;
 
 std::string codec_names() {
   std::string names;
-  for (const wire::CodecInfo& codec : wire::codecs())
+  for (const wire::CodecInfo& codec : wire::codecs()) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", codec.name);
+  }
   return names;
 }
 
 bool has_error_bound(wire::Codec codec) { return codec == wire::Codec::kQuantised || codec == wire::Codec::kDraco; }
 
+/// The codec that compresses what `codec` sends.
 absl::StatusOr<wire::Codec> compressed(wire::Codec codec) {
   if (codec == wire::Codec::kPlanar || codec == wire::Codec::kPlanarZstd) return wire::Codec::kPlanarZstd;
   if (codec == wire::Codec::kStrided || codec == wire::Codec::kStridedZstd) return wire::Codec::kStridedZstd;
@@ -28,41 +33,40 @@ absl::StatusOr<wire::Codec> compressed(wire::Codec codec) {
 }  // namespace
 
 void CodecFlags::add_to(CLI::App& app, const std::string& note, const std::string& group) {
-  error_bound_mm_ = wire::CodecOptions{}.error_bound * kMillimetres;
+  error_bound_mm_ = wire::CodecOptions{}.error_bound * kMillimetersPerMeter;
   codec_option_ = app.add_option("--codec", codecs_, fmt::format("how clouds are sent: {}; {}", codec_names(), note))
                       ->type_name("NAME")
                       ->delimiter(',')
                       ->group(group);
   error_bound_option_ =
-      app.add_option("--error-bound", error_bound_mm_,
-                     fmt::format("how far the codecs quantised ({} to {}) and draco may move a coordinate, millimetres",
-                                 codec::kMinErrorBound * kMillimetres, codec::kMaxErrorBound * kMillimetres))
+      app.add_option(
+             "--error-bound", error_bound_mm_,
+             fmt::format("how far quantised ({} to {}) and draco may move a coordinate, in millimeters",
+                         codec::kMinErrorBound * kMillimetersPerMeter, codec::kMaxErrorBound * kMillimetersPerMeter))
           ->type_name("MM")
           ->capture_default_str()
           ->group(group);
-  app.add_flag("--zstd", zstd_, "compress the answer, and planar and strided clouds, without loss")->group(group);
+  app.add_flag("--zstd", zstd_, "compress the answer, and clouds that planar or strided sends, without loss")
+      ->group(group);
 }
 
 absl::StatusOr<wire::CodecOptions> CodecFlags::named(const std::string& codec) const {
   const auto found = wire::codec_from_name(codec);
-  if (!found.ok()) return absl::InvalidArgumentError(fmt::format("--codec: {}", std::string(found.status().message())));
+  if (!found.ok()) return absl::InvalidArgumentError(fmt::format("--codec: {}", message_of(found.status())));
   wire::CodecOptions options;
   options.codec = *found;
-  options.error_bound = error_bound_mm_ / kMillimetres;
+  options.error_bound = error_bound_mm_ / kMillimetersPerMeter;
   if (!zstd_) return options;
-  const auto with_zstd = compressed(options.codec);
-  if (!with_zstd.ok()) return with_zstd.status();
-  options.codec = *with_zstd;
+  ASSIGN_OR_RETURN(options.codec, compressed(options.codec));
   return options;
 }
 
 absl::StatusOr<std::vector<wire::CodecOptions>> CodecFlags::list() const {
-  const std::vector<std::string> usual{std::string(wire::info(wire::CodecOptions{}.codec).name)};
+  const std::vector<std::string> defaults{std::string(wire::info(wire::CodecOptions{}.codec).name)};
   std::vector<wire::CodecOptions> list;
-  for (const std::string& name : codec_option_->count() > 0 ? codecs_ : usual) {
-    const auto options = named(name);
-    if (!options.ok()) return options.status();
-    list.push_back(*options);
+  for (const std::string& name : codec_option_->count() > 0 ? codecs_ : defaults) {
+    ASSIGN_OR_RETURN(const wire::CodecOptions options, named(name));
+    list.push_back(options);
   }
   const auto bounded = [](const wire::CodecOptions& options) { return has_error_bound(options.codec); };
   if (error_bound_option_->count() > 0 && std::ranges::none_of(list, bounded)) {
@@ -73,10 +77,9 @@ absl::StatusOr<std::vector<wire::CodecOptions>> CodecFlags::list() const {
 
 absl::StatusOr<std::optional<wire::CodecOptions>> CodecFlags::options() const {
   if (codec_option_->count() == 0 && error_bound_option_->count() == 0 && !zstd_) return std::nullopt;
-  const auto options = list();
-  if (!options.ok()) return options.status();
-  if (options->size() > 1) return absl::InvalidArgumentError("--codec: one name, not several");
-  return options->front();
+  ASSIGN_OR_RETURN(const auto codecs, list());
+  if (codecs.size() > 1) return absl::InvalidArgumentError("--codec: one name, not several");
+  return codecs.front();
 }
 
 v1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -10,17 +11,17 @@
 
 namespace segserve::segctl {
 
-/// The flags --codec, --error-bound and --zstd. Must outlive the parsing of the command line.
+/// The flags --codec, --error-bound and --zstd. It must outlive the parsing of the command line.
 class CodecFlags {
  public:
   /// `note` is a remark for the help of --codec.
   void add_to(CLI::App& app, const std::string& note, const std::string& group);
 
-  /// What the flags ask for; unset if none of them is given. INVALID_ARGUMENT for an unknown codec, or flags that do
-  /// not fit each other.
+  /// The codec that the flags name; unset if no flag was given. INVALID_ARGUMENT for an unknown codec, and for flags
+  /// that do not go together.
   absl::StatusOr<std::optional<wire::CodecOptions>> options() const;
 
-  /// As options(), but --codec may name several; not empty.
+  /// Like options(), but --codec may name several. The list is never empty.
   absl::StatusOr<std::vector<wire::CodecOptions>> list() const;
 
  private:
@@ -33,7 +34,7 @@ class CodecFlags {
   CLI::Option* error_bound_option_ = nullptr;
 };
 
-/// Of the answer: who saves bytes on the way there does so on the way back.
+/// The compression of the answer: a client that compresses the cloud wants a compressed answer, too.
 v1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec);
 
 }  // namespace segserve::segctl

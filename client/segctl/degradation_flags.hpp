@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "CLI/CLI.hpp"
@@ -5,7 +6,7 @@
 
 namespace segserve::segctl {
 
-/// The flags --scale, --noise-mm, --keep, --no-color and --seed. Must outlive the parsing of the command line.
+/// The flags --scale, --noise-mm, --keep, --no-color and --seed. It must outlive the parsing of the command line.
 class DegradationFlags {
  public:
   void add_to(CLI::App& app);

@@ -1,6 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,9 +7,12 @@
 #include "client/segctl/command.hpp"
 #include "client/segctl/degradation_flags.hpp"
 #include "client/segctl/input_file.hpp"
+#include "client/segctl/json_flag.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/lab/eval/evaluation.hpp"
 #include "core/lab/eval/report.hpp"
 #include "fmt/format.h"
@@ -18,98 +20,100 @@
 namespace segserve::segctl {
 namespace {
 
-constexpr const char* kFooter = R"(Examples:
-  segctl eval --data osd/test --json default.json
-  segctl eval --data osd/test --method lambda-convex --learn osd/learn
-  segctl eval --data osd/test --noise-mm 5 --no-color
-  segctl eval --compare default.json lambda.json
-  segctl synth --fused --seed 1 -o rooms/1.pcd; segctl eval --data rooms --threshold 0.15
+constexpr const char* kDetails =
+    R"(Scenes are the .pcd and .ply files of the folder, with ground truth in the field "label": 0 is not scored, 1 to 9 are
+parts of the support (table, floor, walls), 10 and above are objects. Scores are means over the scenes, by two protocols
+that core/lab/eval/README.md defines: one_to_one, as in the paper's Table 1, and the paper's formulas, for all regions
+and for the objects. ms is the time of the segmentation alone, on one thread.
 
-Scenes are the .pcd and .ply files of the folder, with ground truth in the field "label": 0 is not
-scored, 1 to 9 are parts of the support (table, floor, walls), 10 and up are objects. Scores are
-means over the scenes, by two protocols (core/lab/eval/README.md defines them): one_to_one, as
-the paper's Table 1, and the paper's formulas, for all regions and for the objects. ms is the
-segmentation alone, on one thread. --learn takes the t of 0, 0.01, .. 1 with the highest mean
-one_to_one tp on the scenes of its folder, which are not degraded.
+--learn takes the threshold among 0, 0.01, 0.02 and so on up to 1 that has the highest mean one_to_one tp on the scenes
+of its folder. These scenes are not degraded.)";
 
-Exit codes: 0 done; 1 failed (disk full); 2 bad input or usage.)";
+HelpText help() {
+  return {.common = {"--data", "--compare", "--learn", "--method", "--threshold", "--noise-mm", "--no-color", "--json"},
+          .examples = R"(segctl eval --data osd/test --json default.json
+segctl eval --data osd/test --method lambda-convex --learn osd/learn
+segctl eval --data osd/test --noise-mm 5 --no-color
+segctl eval --compare default.json lambda.json
+segctl synth --fused --seed 1 -o rooms/1.pcd; segctl eval --data rooms --threshold 0.15)",
+          .details = kDetails,
+          .exit_codes = "0 success; 1 the operation failed (disk full); 2 bad input or usage."};
+}
 
-struct Arguments {
+struct EvalArguments {
   std::string data;
   std::string learn;
   bool curve = false;
   OptionFlags options;
   DegradationFlags degradation;
   std::vector<std::string> compare;
-  std::string json_path;
+  JsonFlag json;
   bool quiet = false;
+
+  void add_to(CLI::App& app);
 };
 
-void add_flags(CLI::App& app, Arguments& arguments) {
-  CLI::Option* data = app.add_option("--data", arguments.data, "folder of scenes with ground truth")->type_name("DIR");
-  CLI::Option* learn = app.add_option("--learn", arguments.learn, "learn the threshold on the scenes of this folder")
-                           ->type_name("DIR")
-                           ->needs(data);
-  app.add_flag("--curve", arguments.curve, "list the tp of every threshold in the JSON")->needs(learn);
-  app.add_option("--compare", arguments.compare, "compare two results of --json, scene by scene")
+void EvalArguments::add_to(CLI::App& app) {
+  CLI::Option* data_flag =
+      app.add_option("--data", data, "folder of scenes with ground truth")->type_name("DIR")->group("Scenes");
+  CLI::Option* learn_flag = app.add_option("--learn", learn, "learn the threshold on the scenes of this folder")
+                                ->type_name("DIR")
+                                ->needs(data_flag)
+                                ->group("Scenes");
+  app.add_flag("--curve", curve, "list the tp of every threshold in the JSON")->needs(learn_flag)->group("Scenes");
+  app.add_option("--compare", compare, "compare two results of --json, scene by scene")
       ->type_name("A.json B.json")
       ->expected(2)
-      ->excludes(data);
-  arguments.options.add_to(app);
-  arguments.degradation.add_to(app);
-  app.add_option("--json", arguments.json_path, "write the result as one JSON object; - is standard output")
-      ->type_name("FILE")
-      ->group("Output");
-  app.add_flag("-q,--quiet", arguments.quiet, "print no table")->group("Output");
+      ->excludes(data_flag)
+      ->group("Scenes");
+  options.add_to(app);
+  degradation.add_to(app);
+  json.add_to(app, "write the result as one JSON object");
+  app.add_flag("-q,--quiet", quiet, "print no table")->group("Output");
 }
 
-/// Writes JSON and text as asked for.
-absl::Status write(const Arguments& arguments, const std::string& json, const std::string& text, StagedOutput& output) {
-  if (!arguments.json_path.empty()) output.add(arguments.json_path, json);
+/// Writes JSON and text as the flags ask for them.
+absl::Status write(const EvalArguments& arguments, const std::string& json, const std::string& text,
+                   StagedOutput& output) {
+  arguments.json.add(output, json);
   if (!arguments.quiet && !output.uses_stdout()) output.add("-", text);
   return output.commit();
 }
 
 absl::StatusOr<eval::Report> load_report(const std::string& path) {
-  const auto bytes = read_input(path);
-  if (!bytes.ok()) return bytes.status();
-  auto report = eval::report_from_json(*bytes);
+  ASSIGN_OR_RETURN(const std::string bytes, read_input(path));
+  auto report = eval::report_from_json(bytes);
   if (report.ok()) return report;
-  return absl::InvalidArgumentError(fmt::format("{}: {}", input_name(path), std::string(report.status().message())));
+  return absl::InvalidArgumentError(fmt::format("{}: {}", input_name(path), message_of(report.status())));
 }
 
-absl::Status run_comparison(const Arguments& arguments, StagedOutput& output) {
-  const auto a = load_report(arguments.compare[0]);
-  if (!a.ok()) return a.status();
-  const auto b = load_report(arguments.compare[1]);
-  if (!b.ok()) return b.status();
-  const auto differences = eval::compare(a->per_scene, b->per_scene);
-  if (!differences.ok()) return differences.status();
-  const std::string name_a = fmt::format("{} ({})", input_name(arguments.compare[0]), a->method);
-  const std::string name_b = fmt::format("{} ({})", input_name(arguments.compare[1]), b->method);
-  return write(arguments, eval::to_json(*differences, name_a, name_b), eval::to_text(*differences, name_a, name_b),
+absl::Status run_comparison(const EvalArguments& arguments, StagedOutput& output) {
+  ASSIGN_OR_RETURN(const eval::Report a, load_report(arguments.compare[0]));
+  ASSIGN_OR_RETURN(const eval::Report b, load_report(arguments.compare[1]));
+  ASSIGN_OR_RETURN(const auto differences, eval::compare(a.per_scene, b.per_scene));
+  const std::string name_a = fmt::format("{} ({})", input_name(arguments.compare[0]), a.method);
+  const std::string name_b = fmt::format("{} ({})", input_name(arguments.compare[1]), b.method);
+  return write(arguments, eval::to_json(differences, name_a, name_b), eval::to_text(differences, name_a, name_b),
                output);
 }
 
-absl::StatusOr<Options> check_options(const Arguments& arguments) {
-  auto options = arguments.options.options();
-  if (!options.ok()) return options.status();
-  if (options->threads != 1) {
-    return absl::InvalidArgumentError(fmt::format("threads: {}: times are those of one thread", options->threads));
+absl::StatusOr<Options> check_options(const EvalArguments& arguments) {
+  ASSIGN_OR_RETURN(const Options options, arguments.options.options());
+  if (options.threads != 1) {
+    return absl::InvalidArgumentError(fmt::format("threads: {}: times are those of one thread", options.threads));
   }
-  if (!arguments.learn.empty() && (options->threshold || options->regions)) {
+  if (!arguments.learn.empty() && (options.threshold || options.regions)) {
     return absl::InvalidArgumentError("--learn excludes --threshold and --regions");
   }
   return options;
 }
 
-absl::StatusOr<eval::Learnt> learn(const Arguments& arguments, const Options& options) {
-  const auto files = eval::scene_files(arguments.learn);
-  if (!files.ok()) return files.status();
+absl::StatusOr<eval::LearnedThreshold> learn(const EvalArguments& arguments, const Options& options) {
+  ASSIGN_OR_RETURN(const auto files, eval::scene_files(arguments.learn));
   const ProgressBar bar("learning");
-  auto sweep = eval::learn_threshold(*files, options, [&](auto done, auto all) { bar.show(done, all); });
-  if (!sweep.ok()) return sweep.status();
-  return eval::Learnt{arguments.learn, *std::move(sweep), arguments.curve};
+  ASSIGN_OR_RETURN(auto sweep,
+                   eval::learn_threshold(files, options, [&](auto done, auto all) { bar.show(done, all); }));
+  return eval::LearnedThreshold{arguments.learn, std::move(sweep), arguments.curve};
 }
 
 absl::StatusOr<std::vector<eval::SceneScores>> score(const std::vector<std::filesystem::path>& files,
@@ -119,35 +123,27 @@ absl::StatusOr<std::vector<eval::SceneScores>> score(const std::vector<std::file
                         [&](auto done, auto all) { bar.show(done, all); });
 }
 
-absl::Status run_evaluation(const Arguments& arguments, StagedOutput& output) {
-  auto options = check_options(arguments);
-  if (!options.ok()) return options.status();
+absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output) {
+  ASSIGN_OR_RETURN(Options options, check_options(arguments));
   eval::Report report;
-  report.method = std::string(name(options->method));
+  report.method = std::string(name(options.method));
   report.folder = arguments.data;
   report.degradation = arguments.degradation.degradation();
-  if (absl::Status status = eval::check(report.degradation); !status.ok()) return status;
-  const auto files = eval::scene_files(arguments.data);
-  if (!files.ok()) return files.status();
+  RETURN_IF_ERROR(eval::check(report.degradation));
+  ASSIGN_OR_RETURN(const auto files, eval::scene_files(arguments.data));
 
   if (!arguments.learn.empty()) {
-    auto learnt = learn(arguments, *options);
-    if (!learnt.ok()) return learnt.status();
-    options->threshold = eval::ThresholdSweep::threshold(learnt->sweep.best());
-    report.learnt = *std::move(learnt);
+    ASSIGN_OR_RETURN(report.learned, learn(arguments, options));
+    options.threshold = eval::ThresholdSweep::threshold(report.learned->sweep.best());
   }
-  if (!options->regions) report.threshold = options->threshold.value_or(default_threshold(options->method));
-  auto rows = score(*files, report.degradation, *options);
-  if (!rows.ok()) return rows.status();
-  report.per_scene = *std::move(rows);
+  if (!options.regions) report.threshold = options.threshold.value_or(default_threshold(options.method));
+  ASSIGN_OR_RETURN(report.per_scene, score(files, report.degradation, options));
   return write(arguments, eval::to_json(report), eval::to_text(report), output);
 }
 
-absl::Status run(const Arguments& arguments) {
+absl::Status run(const EvalArguments& arguments) {
   StagedOutput output;
-  if (!arguments.json_path.empty()) {
-    if (absl::Status status = output.announce(arguments.json_path); !status.ok()) return status;
-  }
+  RETURN_IF_ERROR(arguments.json.announce(output));
   if (!arguments.compare.empty()) return run_comparison(arguments, output);
   if (!arguments.data.empty()) return run_evaluation(arguments, output);
   return absl::InvalidArgumentError("--data or --compare is needed: what shall be scored?");
@@ -156,11 +152,7 @@ absl::Status run(const Arguments& arguments) {
 }  // namespace
 
 void add_eval_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("eval", "Score a method on scenes with ground truth, or compare two results");
-  auto arguments = std::make_shared<Arguments>();
-  add_flags(*command, *arguments);
-  command->footer(kFooter);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
+  add_command(app, chosen, "eval", "Score a method on scenes with ground truth, or compare two results", help(), run);
 }
 
 }  // namespace segserve::segctl

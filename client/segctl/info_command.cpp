@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <memory>
 #include <string>
 
 #include "client/segctl/command.hpp"
+#include "client/segctl/json_flag.hpp"
 #include "client/segctl/server_flags.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 #include "proto/wire/codec_message.hpp"
@@ -18,18 +20,25 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kDefaultTimeout = 5;
 
-constexpr const char* kFooter = R"(Examples:
-  segctl info
-  segctl info --server robot:50051 --json - | jq .limits.max_points
+HelpText help() {
+  return {.common = {"--server", "--timeout", "--json"},
+          .examples = R"(segctl info
+segctl info --server robot:50051 --json - | jq .limits.max_points)",
+          .details = "",
+          .exit_codes = "0 success; 1 the operation failed (server unreachable); 2 bad usage."};
+}
 
-Exit codes: 0 done; 1 failed (server unreachable); 2 bad usage.)";
-
-struct Arguments {
+struct InfoArguments {
   ServerFlags server;
-  std::string json_path;
+  JsonFlag json;
+
+  void add_to(CLI::App& app) {
+    server.add_to(app, kDefaultTimeout);
+    json.add_to(app, "write one JSON object instead of text");
+  }
 };
 
-/// "PAYLOAD_KIND_PCD_FILE" -> "pcd_file".
+/// Turns "PAYLOAD_KIND_PCD_FILE" into "pcd_file".
 std::string short_name(std::string text, std::string_view prefix) {
   if (text.starts_with(prefix)) text.erase(0, prefix.size());
   for (char& c : text) {
@@ -49,7 +58,7 @@ Json limits_json(const v1::Limits& limits) {
           {"max_queue_points", limits.max_queue_points()}};
 }
 
-/// Those of this program that the server can decode.
+/// The codecs of this program that the server can decode.
 Json codecs_json(const client::ServerInfo& info) {
   Json list = Json::array();
   for (const wire::CodecInfo& codec : wire::codecs()) {
@@ -133,18 +142,15 @@ std::string to_text(const Json& json, const std::string& address) {
   return text;
 }
 
-absl::Status run(const Arguments& arguments) {
+absl::Status run(const InfoArguments& arguments) {
   StagedOutput output;
-  if (!arguments.json_path.empty()) {
-    if (absl::Status status = output.announce(arguments.json_path); !status.ok()) return status;
-  }
-  const auto client = arguments.server.connect();
-  if (!client.ok()) return client.status();
-  const auto info = client->server_info();
-  if (!info.ok()) return info.status();
-  const Json json = to_json(*info);
-  if (!arguments.json_path.empty()) {
-    output.add(arguments.json_path, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  RETURN_IF_ERROR(arguments.json.announce(output));
+  ASSIGN_OR_RETURN(const auto client, arguments.server.connect());
+  ASSIGN_OR_RETURN(const auto info, client.server_info());
+  const Json json = to_json(info);
+  constexpr int kIndent = 2;
+  if (arguments.json.given()) {
+    arguments.json.add(output, json_text(json, kIndent));
   } else {
     output.add("-", to_text(json, arguments.server.address()));
   }
@@ -154,13 +160,7 @@ absl::Status run(const Arguments& arguments) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("info", "Tell what the server can do: version, limits, methods, options");
-  auto arguments = std::make_shared<Arguments>();
-  arguments->server.add_to(*command, kDefaultTimeout);
-  command->add_option("--json", arguments->json_path, "write one JSON object instead of text; - is standard output")
-      ->type_name("FILE");
-  command->footer(kFooter);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
+  add_command(app, chosen, "info", "Tell what the server can do: version, limits, methods, options", help(), run);
 }
 
 }  // namespace segserve::segctl

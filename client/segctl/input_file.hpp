@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -6,11 +7,11 @@
 
 namespace segserve::segctl {
 
-/// All bytes of a file, or of standard input for "-". NOT_FOUND or INVALID_ARGUMENT (a folder,
-/// larger than 4 GiB) naming the path; UNAVAILABLE if reading fails.
+/// All bytes of a file, or of standard input for "-". The message of an error names the path: NOT_FOUND,
+/// INVALID_ARGUMENT (a folder, or larger than 4 GiB), or UNAVAILABLE if reading fails.
 absl::StatusOr<std::string> read_input(const std::string& path);
 
-/// How a path is called in messages: "-" is "standard input".
+/// The name of an input in messages: that of "-" is "standard input".
 std::string input_name(const std::string& path);
 
 }  // namespace segserve::segctl

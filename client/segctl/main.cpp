@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <exception>
 #include <string>
 
 #include "CLI/CLI.hpp"
 #include "client/segctl/command.hpp"
 #include "client/segctl/exit_code.hpp"
+#include "client/segctl/messages.hpp"
+#include "core/base/status_text.hpp"
 #include "fmt/format.h"
 
 namespace {
@@ -11,13 +14,14 @@ namespace {
 using namespace segserve::segctl;  // NOLINT(google-build-using-namespace): this file is their main
 
 constexpr const char* kFooter =
-    R"("segctl COMMAND --help" tells more, with examples. Errors are one line on standard error.
+    R"("segctl COMMAND --help" shows a command's most useful options and examples, "segctl COMMAND --help-all" all of them.
+Errors are one line on standard error.
 
-Exit codes: 0 done; 1 failed (server unreachable or not serving, time over, disk full);
+Exit codes: 0 success; 1 the operation failed (server unreachable or not serving, deadline exceeded, disk full);
 2 bad input or usage.)";
 
 int run(int argc, char** argv) {
-  CLI::App app("Segment coloured 3D point clouds, by a segserve server or in this process.", "segctl");
+  CLI::App app("Segment colored 3D point clouds, through a segserve server or in this process.", "segctl");
   Command chosen;
   app.require_subcommand(1);
   app.set_version_flag("--version", "segctl " SEGSERVE_VERSION);
@@ -29,15 +33,16 @@ int run(int argc, char** argv) {
   add_bench_command(app, chosen);
   add_info_command(app, chosen);
   add_health_command(app, chosen);
+  app.set_help_all_flag("--help-all", "Show every option of every command");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help or --version
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --help-all or --version
     print_error(fmt::format("{} (see segctl --help)", error.what()));
     return kBadInput;
   }
   const absl::Status status = chosen();
-  if (!status.ok()) print_error(std::string_view(status.message().data(), status.message().size()));
+  if (!status.ok()) print_error(segserve::message_of(status));
   return exit_code(status);
 }
 
@@ -46,7 +51,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   try {
     return run(argc, argv);
-  } catch (const std::exception& error) {  // std::bad_alloc, above all
+  } catch (const std::exception& error) {  // In practice this is std::bad_alloc.
     print_error(error.what());
     return kFailed;
   }

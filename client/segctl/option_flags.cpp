@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/option_flags.hpp"
 
 #include <algorithm>
@@ -14,7 +15,7 @@ std::string flag_name(std::string_view option) {
   return name;
 }
 
-/// The default of the default method, and of the paper's methods if that differs.
+/// The default of the default method. It says so if the paper's methods have other defaults.
 std::string default_text(const OptionInfo& option) {
   const std::optional<double> ours = default_value(option, Options{}.method);
   if (!ours) return "";
@@ -46,11 +47,11 @@ void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag
 
 void OptionFlags::add_to(CLI::App& app) {
   app.add_option("--method", method_,
-                 fmt::format("dissimilarity by which regions are merged: {}; default {}", method_names(),
+                 fmt::format("how the dissimilarity of two regions is measured: {}; default {}", method_names(),
                              name(Options{}.method)))
       ->type_name("NAME")
       ->group("Segmentation");
-  flags_.resize(option_table().size());  // before their addresses are taken
+  flags_.resize(option_table().size());  // No reallocation may follow: the parser keeps addresses of the flags.
   for (std::size_t i = 0; i < flags_.size(); ++i) add_number(app, option_table()[i], flags_[i]);
 }
 
@@ -69,7 +70,7 @@ absl::StatusOr<Options> OptionFlags::options() const {
     if (const auto method = method_from_name(method_)) {
       options.method = *method;
     } else {
-      faults.push_back({"method", fmt::format("'{}' is none of {}", method_, method_names())});
+      faults.push_back({"method", fmt::format("'{}' is not one of {}", method_, method_names())});
     }
   }
   for (const Flag& flag : flags_) {

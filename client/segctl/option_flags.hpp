@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <optional>
@@ -10,17 +11,17 @@
 
 namespace segserve::segctl {
 
-/// The segmentation options as flags: --method, and one flag per row of `option_table()` with its
-/// meaning, unit, range and default in the help ("voxel_resolution" is --voxel-resolution).
-/// Must outlive the parsing of the command line.
+/// The segmentation options as flags: --method, and one flag for each row of `option_table()` with its meaning, unit,
+/// range and default in the help ("voxel_resolution" is --voxel-resolution). It must outlive the parsing of the command
+/// line.
 class OptionFlags {
  public:
-  /// All of them.
+  /// Adds a flag for every option.
   void add_to(CLI::App& app);
-  /// Only --threshold and --regions, for those who cut and do not segment.
+  /// Adds only --threshold and --regions, for a command that cuts a tree and does not segment.
   void add_cut_to(CLI::App& app);
 
-  /// What was given, over the defaults. INVALID_ARGUMENT naming every wrong option at once.
+  /// The defaults, overridden by the flags that were given. INVALID_ARGUMENT that names every wrong option at once.
   absl::StatusOr<Options> options() const;
 
  private:

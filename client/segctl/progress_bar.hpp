@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -5,11 +6,12 @@
 
 namespace segserve::segctl {
 
-/// A line on standard error that shows how far a long command is; nothing unless that is a terminal. The line is wiped
-/// when the object goes.
+/// A line on standard error that shows how far a long command is. It shows nothing unless standard error is a terminal.
+/// The destructor wipes the line.
 class ProgressBar {
  public:
-  explicit ProgressBar(std::string what);
+  /// `task` is the word before the bar, e.g. "scoring".
+  explicit ProgressBar(std::string task);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -17,7 +19,7 @@ class ProgressBar {
   void show(std::size_t done, std::size_t all) const;
 
  private:
-  std::string what_;
+  std::string task_;
   bool on_terminal_;
 };
 

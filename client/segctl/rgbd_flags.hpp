@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -8,18 +9,18 @@
 
 namespace segserve::segctl {
 
-/// The flags --depth, --rgb, --intrinsics and --depth-scale: a pair of images as input. Must outlive the parsing of
+/// The flags --depth, --rgb, --intrinsics and --depth-scale: a pair of images as input. It must outlive the parsing of
 /// the command line.
 class RgbdFlags {
  public:
   void add_to(CLI::App& app);
 
-  /// Whether any of them is there.
+  /// Whether any of the flags was given.
   bool given() const;
-  /// How the input is called in messages.
+  /// The name of the input in messages.
   std::string input_name() const { return depth_path_; }
 
-  /// The files as they are. INVALID_ARGUMENT if a flag is missing or wrong; otherwise as read_input.
+  /// The bytes of the files. INVALID_ARGUMENT if a flag is missing or wrong; other errors as read_input.
   absl::StatusOr<codec::RgbdFiles> load() const;
 
  private:

@@ -1,12 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/scene_output.hpp"
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <memory>
-#include <utility>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "core/lab/picture/picture.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/pcd.hpp"
@@ -21,7 +22,7 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
-bool is_ply(const std::string& path) { return lower_extension(path) == ".ply"; }
+bool has_ply_name(const std::string& path) { return lower_extension(path) == ".ply"; }
 
 codec::PcdEncoding pcd_encoding(const std::string& name) {
   if (name == "ascii") return codec::PcdEncoding::kAscii;
@@ -34,70 +35,112 @@ std::vector<std::uint32_t> segment_colors(std::span<const std::uint32_t> labels)
   return colors;
 }
 
+struct LabeledPoints {
+  Cloud cloud;
+  std::vector<std::uint32_t> labels;
+};
+
+/// The points with a label other than 0, in their order, as an unorganized cloud.
+LabeledPoints labeled_points(const CloudView& cloud, std::span<const std::uint32_t> labels) {
+  LabeledPoints kept;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] == 0) continue;
+    kept.cloud.x.push_back(cloud.x[i]);
+    kept.cloud.y.push_back(cloud.y[i]);
+    kept.cloud.z.push_back(cloud.z[i]);
+    if (cloud.has_color()) kept.cloud.rgb.push_back(cloud.rgb[i]);
+    kept.labels.push_back(labels[i]);
+  }
+  kept.cloud.width = static_cast<std::uint32_t>(kept.labels.size());
+  kept.cloud.height = 1;
+  kept.cloud.view = cloud.view;
+  return kept;
+}
+
+void add_picture(StagedOutput& output, const std::string& path, const CloudView& cloud,
+                 std::span<const std::uint32_t> labels) {
+  auto image = std::make_shared<const picture::Image>(picture::render(cloud, labels));
+  output.add(path, [image](const std::string& target) { return picture::write_png(target, *image); });
+}
+
 }  // namespace
 
-void SceneOutput::add_to(CLI::App& app, bool with_color) {
+void SceneOutput::add_to(CLI::App& app) {
   app.add_option("-o,--output", cloud_path_,
                  "write the cloud with its labels (field \"label\"): .pcd or .ply; - is PCD to standard output")
       ->type_name("FILE")
       ->group("Output");
-  app.add_option("--encoding", encoding_, "of that file; binary_compressed is for PCD only")
+  app.add_option("--encoding", encoding_, "encoding of that file; binary_compressed is for PCD only")
       ->check(CLI::IsMember({"ascii", "binary", "binary_compressed"}))
       ->type_name("NAME")
       ->capture_default_str()
       ->group("Output");
-  if (with_color) {
-    app.add_option("--color", color_, "of that file: the points' own, or that of their segment")
-        ->check(CLI::IsMember({"own", "segment"}))
-        ->type_name("NAME")
-        ->capture_default_str()
-        ->group("Output");
-  }
+  app.add_option("--color", color_, "colors in that file: the points' own, or those of their segments")
+      ->check(CLI::IsMember({"own", "segment"}))
+      ->type_name("NAME")
+      ->capture_default_str()
+      ->group("Output");
+  app.add_flag("--drop-unlabelled", drop_unlabelled_,
+               "leave points with label 0 out of that file, which then has no rows and columns")
+      ->group("Output");
   app.add_option("--picture", picture_path_, "write a picture of the labels: PNG; - is standard output")
+      ->type_name("FILE")
+      ->group("Output");
+  app.add_option("--plain-picture", plain_picture_path_, "write a picture of the cloud in its own colors, as --picture")
       ->type_name("FILE")
       ->group("Output");
 }
 
 absl::Status SceneOutput::announce(StagedOutput& output) const {
   if (!cloud_path_.empty()) {
-    if (cloud_path_ != "-" && !is_ply(cloud_path_) && lower_extension(cloud_path_) != ".pcd") {
+    if (cloud_path_ != "-" && !has_ply_name(cloud_path_) && lower_extension(cloud_path_) != ".pcd") {
       return absl::InvalidArgumentError(fmt::format("-o {}: the name must end in .pcd or .ply", cloud_path_));
     }
-    if (is_ply(cloud_path_) && encoding_ == "binary_compressed") {
+    if (has_ply_name(cloud_path_) && encoding_ == "binary_compressed") {
       return absl::InvalidArgumentError("--encoding binary_compressed: PLY has ascii and binary only");
     }
-    if (absl::Status status = output.announce(cloud_path_); !status.ok()) return status;
   }
-  return picture_path_.empty() ? absl::OkStatus() : output.announce(picture_path_);
+  for (const std::string& path : {cloud_path_, picture_path_, plain_picture_path_}) {
+    if (!path.empty()) RETURN_IF_ERROR(output.announce(path));
+  }
+  return absl::OkStatus();
 }
 
-std::string SceneOutput::encode(const CloudView& cloud, std::span<const std::uint32_t> labels) const {
-  if (!is_ply(cloud_path_)) return codec::encode_pcd(cloud, labels, pcd_encoding(encoding_));
+std::string SceneOutput::encode(CloudView cloud, std::span<const std::uint32_t> labels, Format format) const {
+  LabeledPoints kept;
+  if (drop_unlabelled_) {
+    kept = labeled_points(cloud, labels);
+    cloud = kept.cloud;
+    labels = kept.labels;
+  }
+  std::vector<std::uint32_t> colors;
+  if (color_ == "segment") {
+    colors = segment_colors(labels);
+    cloud.rgb = colors;
+  }
+  if (format == Format::kPcd) return codec::encode_pcd(cloud, labels, pcd_encoding(encoding_));
   const bool ascii = encoding_ == "ascii";
   return codec::encode_ply(cloud, labels, ascii ? codec::PlyEncoding::kAscii : codec::PlyEncoding::kBinaryLittleEndian);
 }
 
 std::string SceneOutput::encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> labels) const {
-  if (color_ == "own") return codec::encode_pcd(cloud, labels, pcd_encoding(encoding_));
-  const std::vector<std::uint32_t> colors = segment_colors(labels);
-  CloudView painted = cloud;
-  painted.rgb = colors;
-  return codec::encode_pcd(painted, labels, pcd_encoding(encoding_));
+  return encode(cloud, labels, Format::kPcd);
 }
 
 void SceneOutput::add(StagedOutput& output, const CloudView& cloud, std::span<const std::uint32_t> labels) const {
-  if (!cloud_path_.empty() && color_ == "own") {
-    output.add(cloud_path_, encode(cloud, labels));
-  } else if (!cloud_path_.empty()) {
-    const std::vector<std::uint32_t> colors = segment_colors(labels);
-    CloudView painted = cloud;
-    painted.rgb = colors;
-    output.add(cloud_path_, encode(painted, labels));
+  if (!cloud_path_.empty()) {
+    output.add(cloud_path_, encode(cloud, labels, has_ply_name(cloud_path_) ? Format::kPly : Format::kPcd));
   }
-  if (!picture_path_.empty()) {
-    auto image = std::make_shared<const picture::Image>(picture::render(cloud, labels));
-    output.add(picture_path_, [image](const std::string& path) { return picture::write_png(path, *image); });
-  }
+  if (!picture_path_.empty()) add_picture(output, picture_path_, cloud, labels);
+  if (!plain_picture_path_.empty()) add_picture(output, plain_picture_path_, cloud, {});
+}
+
+std::string SceneOutput::format_key() const {
+  std::string key;
+  if (encoding_ != "binary") key += " " + encoding_;
+  if (color_ != "own") key += " colors of segments";
+  if (drop_unlabelled_) key += " without unlabeled points";
+  return key;
 }
 
 }  // namespace segserve::segctl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -11,32 +12,38 @@
 
 namespace segserve::segctl {
 
-/// The flags -o, --encoding, --color and --picture, and what they ask for. Must outlive the parsing
-/// of the command line.
+/// The flags that ask for a labeled cloud and its pictures: --output, --encoding, --color, --drop-unlabelled, --picture
+/// and --plain-picture. It must outlive the parsing of the command line.
 class SceneOutput {
  public:
-  /// `with_color` adds --color, which needs segments.
-  void add_to(CLI::App& app, bool with_color);
+  void add_to(CLI::App& app);
 
-  /// True if a labelled cloud or a picture is wanted, that is, if the points are needed.
-  bool wanted() const { return !cloud_path_.empty() || !picture_path_.empty(); }
+  /// True if a labeled cloud or a picture is wanted, that is, if the points are needed.
+  bool wanted() const { return !cloud_path_.empty() || !picture_path_.empty() || !plain_picture_path_.empty(); }
 
   /// Checks the flags and announces the files.
   absl::Status announce(StagedOutput& output) const;
 
-  /// The labelled cloud as a PCD file, with the encoding and colour that the flags say.
+  /// The labeled cloud as a PCD file, with the encoding, colors and points that the flags ask for. `labels` has one
+  /// entry per point.
   std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> labels) const;
 
-  /// Encodes cloud and picture; `labels` has one entry per point.
+  /// Adds the files that the flags ask for. `labels` has one entry per point.
   void add(StagedOutput& output, const CloudView& cloud, std::span<const std::uint32_t> labels) const;
 
+  /// Names the flags that decide how encode_pcd writes a cloud; empty for the defaults.
+  std::string format_key() const;
+
  private:
-  std::string encode(const CloudView& cloud, std::span<const std::uint32_t> labels) const;
+  enum class Format { kPcd, kPly };
+  std::string encode(CloudView cloud, std::span<const std::uint32_t> labels, Format format) const;
 
   std::string cloud_path_;
-  std::string picture_path_;
   std::string encoding_ = "binary";
   std::string color_ = "own";
+  bool drop_unlabelled_ = false;
+  std::string picture_path_;
+  std::string plain_picture_path_;
 };
 
 }  // namespace segserve::segctl

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/segctl/codec_flags.hpp"
+#include "client/segctl/json_flag.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/rgbd_flags.hpp"
 #include "client/segctl/scene_output.hpp"
@@ -19,19 +21,19 @@
 
 namespace segserve::segctl {
 
-/// What is asked of every cloud of `segctl segment`.
+/// The part of the command line that applies to every cloud.
 struct SegmentRequest {
   Options options;
-  std::optional<View> view;                 ///< unset: what the file says
-  std::optional<wire::CodecOptions> codec;  ///< unset: as the client library thinks fit
-  bool segments = false;                    ///< their statistics
+  std::optional<View> view;                 ///< Unset: as the file says.
+  std::optional<wire::CodecOptions> codec;  ///< Unset: the client library chooses.
+  bool segments = false;                    ///< Whether the statistics of the segments are wanted.
 };
 
 /// The command line of `segctl segment`.
 struct SegmentArguments {
   std::vector<std::string> scenes;
   std::string out_dir;
-  std::size_t parallel = 0;
+  std::size_t parallel = 0;  ///< 0: 4, or one per CPU with `local`.
   OptionFlags options;
   std::string view;
   ServerFlags server;
@@ -43,7 +45,7 @@ struct SegmentArguments {
   SceneOutput scene_output;
   std::string result_path;
   bool segments = false;
-  std::string json_path;
+  JsonFlag json;
   bool quiet = false;
 
   void add_to(CLI::App& app);

@@ -1,5 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <chrono>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,86 +12,113 @@
 #include "client/segctl/segment_many.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "client/segctl/summary.hpp"
-#include "core/codec/ply/ply_header.hpp"
-#include "fmt/format.h"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/client/result_file.hpp"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/ply.hpp"
 #include "segserve/segment.hpp"
 
 namespace segserve::segctl {
 namespace {
 
-absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& output) {
-  if (absl::Status status = arguments.scene_output.announce(output); !status.ok()) return status;
-  for (const std::string& path : {arguments.result_path, arguments.json_path}) {
-    if (path.empty()) continue;
-    if (absl::Status status = output.announce(path); !status.ok()) return status;
-  }
-  return absl::OkStatus();
+constexpr const char* kExamples = R"(segctl segment scene.pcd -o labeled.pcd --picture segments.png
+segctl segment scene.ply --view world:0,0,1.5 --server robot:50051 --json -
+segctl segment --depth depth.png --rgb color.jpg --intrinsics 525,525,319.5,239.5 --picture segments.png
+segctl segment scene.pcd --local --regions 12 -o - | other-program
+segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
+segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd --drop-unlabelled
+segctl segment scene.pcd --segments --json - | jq '.segment_statistics[0].box'
+segctl segment scans/ --out-dir labeled/    # goes on where it was stopped)";
+
+constexpr const char* kDetails =
+    R"(Labels are numbered 1, 2, 3 and so on by descending size of the segment. Points that are not finite, that the crop
+box or the range leaves out, or that are removed with the support plane get label 0.
+
+Without --view, an organized PCD file with the identity VIEWPOINT is seen by the camera, any other PCD file is WORLD
+with the sensor at VIEWPOINT, and a PLY file is WORLD without a sensor. Images are seen by the camera.
+
+Lossy codecs move points by at most their error bound. The labels still come back in the order of the input. With
+--local and a codec, the points are segmented as a server would see them.
+
+With --out-dir, a file that fails stops no other; errors are listed at the end, one a line. The exit code is then 2 if
+every file that failed was bad input, else 1.)";
+
+constexpr const char* kExitCodes =
+    "0 success; 1 the operation failed (server unreachable, deadline exceeded, disk full); 2 bad input or usage.";
+
+HelpText help() {
+  return {.common = {"--method", "--threshold", "--regions", "--range-max", "--support-plane-distance", "--view",
+                     "--depth", "--rgb", "--intrinsics", "--server", "--local", "--output", "--drop-unlabelled",
+                     "--picture", "--result", "--segments", "--json", "--out-dir"},
+          .examples = kExamples,
+          .details = kDetails,
+          .exit_codes = kExitCodes};
 }
 
-/// Everything that is known before the segmentation: the files, and what is asked of them.
+absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& output) {
+  RETURN_IF_ERROR(arguments.scene_output.announce(output));
+  if (!arguments.result_path.empty()) RETURN_IF_ERROR(output.announce(arguments.result_path));
+  return arguments.json.announce(output);
+}
+
+/// One cloud on its way to be segmented.
 struct Job {
-  std::string input;                          ///< how the file is called in messages
-  std::string file_bytes;                     ///< unset if there is a payload
-  std::optional<client::Payload> payload;     ///< what is sent as it is: a PCD file or images
-  std::optional<codec::LabelledCloud> scene;  ///< unset if nobody but the server needs the points
+  std::string input;                          ///< The name of the input in messages.
+  std::string file_bytes;                     ///< Empty if there is a payload.
+  std::optional<client::Payload> payload;     ///< A PCD file or images that are sent without decoding them here.
+  std::optional<codec::LabelledCloud> scene;  ///< Unset if only the server needs the points.
   SegmentRequest request;
 };
 
 absl::StatusOr<codec::LabelledCloud> decode(const Job& job) {
   auto scene = job.payload ? client::decode(*job.payload)
                            : codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.request.view);
-  if (scene.ok()) return scene;
-  return absl::Status(scene.status().code(), fmt::format("{}: {}", job.input, std::string(scene.status().message())));
+  if (!scene.ok()) return with_prefix(job.input, scene.status());
+  return scene;
 }
 
 absl::Status read_files(const SegmentArguments& arguments, Job& job) {
   if (arguments.rgbd.given()) {
     job.input = arguments.rgbd.input_name();
-    auto images = arguments.rgbd.load();
-    if (!images.ok()) return images.status();
-    job.payload = client::rgbd_payload(*std::move(images));
+    ASSIGN_OR_RETURN(auto images, arguments.rgbd.load());
+    job.payload = client::rgbd_payload(std::move(images));
     return absl::OkStatus();
   }
   job.input = input_name(arguments.scenes.front());
-  auto bytes = read_input(arguments.scenes.front());
-  if (!bytes.ok()) return bytes.status();
-  const bool is_pcd = !codec::is_ply(*bytes);
-  if (is_pcd && job.request.codec && job.request.codec->codec == wire::Codec::kPcd) {
-    job.payload = client::pcd_payload(*std::move(bytes), job.request.view);
+  ASSIGN_OR_RETURN(std::string bytes, read_input(arguments.scenes.front()));
+  const bool sends_pcd = job.request.codec && job.request.codec->codec == wire::Codec::kPcd;
+  if (sends_pcd && !codec::is_ply(bytes)) {
+    job.payload = client::pcd_payload(std::move(bytes), job.request.view);
   } else {
-    job.file_bytes = *std::move(bytes);
+    job.file_bytes = std::move(bytes);
   }
   return absl::OkStatus();
 }
 
 absl::StatusOr<Job> prepare(const SegmentArguments& arguments) {
   Job job;
-  auto request = arguments.request();
-  if (!request.ok()) return request.status();
-  job.request = *std::move(request);
+  ASSIGN_OR_RETURN(job.request, arguments.request());
   if (job.request.codec && arguments.rgbd.given()) {
     return absl::InvalidArgumentError("--codec, --error-bound and --zstd do not go with RGB-D images");
   }
-  if (const auto timeout = arguments.server.timeout(); !timeout.ok()) return timeout.status();
-  if (absl::Status status = read_files(arguments, job); !status.ok()) return status;
+  RETURN_IF_ERROR(arguments.server.timeout().status());
+  RETURN_IF_ERROR(read_files(arguments, job));
   return job;
 }
 
 absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& arguments, Job& job) {
-  const auto client = arguments.server.connect(arguments.fallback_local);
-  if (!client.ok()) return client.status();
+  ASSIGN_OR_RETURN(const auto client, arguments.server.connect(arguments.fallback_local));
   client::CallOptions call;
   call.request_id = arguments.request_id;
   call.codec = job.request.codec;
   call.outputs.segments = job.request.segments;
   call.outputs.compression = answer_compression(job.request.codec);
-  if (job.payload) return client->segment_payload(*job.payload, job.request.options, call);
-  auto result = client->segment(job.scene->cloud, job.request.options, call);
-  if (result.ok()) result->view_rule = job.scene->view_rule;  // the server only knows that it was told
+  if (job.payload) return client.segment_payload(*job.payload, job.request.options, call);
+  ASSIGN_OR_RETURN(auto result, client.segment(job.scene->cloud, job.request.options, call));
+  result.view_rule = job.scene->view_rule;  // The server knows only the view, not how it was found.
   return result;
 }
 
@@ -99,18 +126,15 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
   std::optional<StopToken::Clock::time_point> deadline;
   if (arguments.server.timeout_given()) deadline = StopToken::Clock::now() + *arguments.server.timeout();
   const StopToken stop(nullptr, deadline);
-  const auto segment = [&](const codec::LabelledCloud& scene) {
-    return client::segment_here(scene.cloud, scene.view_rule, job.request.options, {.segments = job.request.segments},
+  const auto segment = [&](const Cloud& cloud) {
+    return client::segment_here(cloud, job.scene->view_rule, job.request.options, {.segments = job.request.segments},
                                 stop);
   };
-  if (!job.request.codec || job.payload) return segment(*job.scene);
+  if (!job.request.codec || job.payload) return segment(job.scene->cloud);
   // The points as a server would see them.
-  const auto payload = client::cloud_payload(job.scene->cloud, *job.request.codec);
-  if (!payload.ok()) return payload.status();
-  auto decoded = client::decode(*payload);
-  if (!decoded.ok()) return decoded.status();
-  decoded->view_rule = job.scene->view_rule;
-  return segment(*decoded);
+  ASSIGN_OR_RETURN(const auto payload, client::cloud_payload(job.scene->cloud, *job.request.codec));
+  ASSIGN_OR_RETURN(const auto decoded, client::decode(payload));
+  return segment(decoded.cloud);
 }
 
 absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const client::Result& result, double call_ms,
@@ -120,9 +144,8 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
     arguments.scene_output.add(output, job.scene->cloud, result.segmentation.labels);
   }
   if (!arguments.result_path.empty()) {
-    auto bytes = client::encode_result_file(result);
-    if (!bytes.ok()) return bytes.status();
-    output.add(arguments.result_path, *std::move(bytes));
+    ASSIGN_OR_RETURN(auto bytes, client::encode_result_file(result));
+    output.add(arguments.result_path, std::move(bytes));
   }
   Summary summary{.result = result,
                   .input = job.input,
@@ -130,48 +153,44 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
                   .timings = stage_timings(result),
                   .with_segments = job.request.segments};
   if (!arguments.local) summary.timings.push_back({"round_trip", call_ms});
-  return report(summary, arguments.json_path, arguments.quiet, output);
+  return report(summary, arguments.json, arguments.quiet, output);
 }
 
 double milliseconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
 }
 
-absl::Status run(const SegmentArguments& arguments) {
+absl::Status segment_one(const SegmentArguments& arguments) {
   StagedOutput output;
-  if (absl::Status status = arguments.check_combination(); !status.ok()) return status;
-  if (!arguments.out_dir.empty()) return segment_many(arguments);
-  if (absl::Status status = announce_outputs(arguments, output); !status.ok()) return status;
-  auto job = prepare(arguments);
-  if (!job.ok()) return job.status();
+  RETURN_IF_ERROR(announce_outputs(arguments, output));
+  ASSIGN_OR_RETURN(Job job, prepare(arguments));
 
   auto start = std::chrono::steady_clock::now();
-  if (arguments.local || !job->payload || arguments.scene_output.wanted()) {
-    auto scene = decode(*job);
-    if (!scene.ok()) return scene.status();
-    job->scene = *std::move(scene);
+  if (arguments.local || !job.payload || arguments.scene_output.wanted()) {
+    ASSIGN_OR_RETURN(job.scene, decode(job));
   }
   const double decode_ms = milliseconds_since(start);
 
   start = std::chrono::steady_clock::now();
-  auto result = arguments.local ? segment_here(arguments, *job) : segment_remotely(arguments, *job);
-  if (!result.ok()) return result.status();
+  ASSIGN_OR_RETURN(auto result, arguments.local ? segment_here(arguments, job) : segment_remotely(arguments, job));
   const double call_ms = milliseconds_since(start);
-  if (result->in_this_process && !arguments.local) warn_of_fallback(arguments.server.address());
+  if (result.in_this_process && !arguments.local) warn_of_fallback(arguments.server.address());
   if (arguments.local) {
-    result->timings.decode = decode_ms;
-    result->timings.total += decode_ms;
+    result.timings.decode = decode_ms;
+    result.timings.total += decode_ms;
   }
-  return write_outputs(arguments, *job, *result, call_ms, output);
+  return write_outputs(arguments, job, result, call_ms, output);
+}
+
+absl::Status run(const SegmentArguments& arguments) {
+  RETURN_IF_ERROR(arguments.check_combination());
+  return arguments.out_dir.empty() ? segment_one(arguments) : segment_many(arguments);
 }
 
 }  // namespace
 
 void add_segment_command(CLI::App& app, Command& chosen) {
-  CLI::App* command = app.add_subcommand("segment", "Segment a coloured point cloud: one label for every point");
-  auto arguments = std::make_shared<SegmentArguments>();
-  arguments->add_to(*command);
-  command->callback([arguments, &chosen] { chosen = [arguments] { return run(*arguments); }; });
+  add_command(app, chosen, "segment", "Segment a colored point cloud: one label for every point", help(), run);
 }
 
 }  // namespace segserve::segctl

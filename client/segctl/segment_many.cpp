@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/segment_many.hpp"
 
 #include <algorithm>
@@ -5,22 +6,22 @@
 #include <filesystem>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "client/segctl/batch.hpp"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "segserve/v1/server_info.pb.h"
 
 namespace segserve::segctl {
 namespace {
 
+constexpr std::size_t kDefaultParallel = 4;
+
 absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
-  auto client = arguments.server.connect(arguments.fallback_local);
-  if (!client.ok()) return client.status();
-  // Before a run in which every file would fail for the same reason.
-  absl::Status reached = client->server_info().status();
+  ASSIGN_OR_RETURN(job.client, arguments.server.connect(arguments.fallback_local));
+  // Without this, every file would fail for the same reason.
+  const absl::Status reached = job.client->server_info().status();
   if (!reached.ok() && !(arguments.fallback_local && absl::IsUnavailable(reached))) return reached;
-  job.client = *std::move(client);
   job.server = arguments.server.address();
   job.stream.client_name = "segctl segment";
   job.stream.options = job.request.options;
@@ -31,28 +32,27 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   return absl::OkStatus();
 }
 
+absl::Status make_folder(const std::string& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (std::filesystem::is_directory(path)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      fmt::format("--out-dir: cannot make the folder {}: {}", path, error ? error.message() : "it is a file"));
+}
+
 }  // namespace
 
 absl::Status segment_many(const SegmentArguments& arguments) {
   BatchJob job;
-  auto request = arguments.request();
-  if (!request.ok()) return request.status();
-  job.request = *std::move(request);
-  std::error_code error;
-  if (!std::filesystem::is_directory(arguments.out_dir, error)) {
-    return absl::InvalidArgumentError(fmt::format("--out-dir: there is no folder {}", arguments.out_dir));
-  }
-  auto inputs = batch_inputs(arguments.scenes, arguments.out_dir);
-  if (!inputs.ok()) return inputs.status();
-  job.inputs = *std::move(inputs);
-  const std::size_t usual = arguments.local ? std::max(1U, std::thread::hardware_concurrency()) : 4;
+  ASSIGN_OR_RETURN(job.request, arguments.request());
+  ASSIGN_OR_RETURN(job.inputs, batch_inputs(arguments.scenes, arguments.out_dir));
+  const std::size_t usual = arguments.local ? std::max(1U, std::thread::hardware_concurrency()) : kDefaultParallel;
   job.parallel = arguments.parallel == 0 ? usual : arguments.parallel;
   job.format = &arguments.scene_output;
-  job.json_path = arguments.json_path;
+  job.json = &arguments.json;
   job.quiet = arguments.quiet;
-  if (!arguments.local) {
-    if (absl::Status status = prepare_remote(arguments, job); !status.ok()) return status;
-  }
+  if (!arguments.local) RETURN_IF_ERROR(prepare_remote(arguments, job));
+  RETURN_IF_ERROR(make_folder(arguments.out_dir));
   return run_batch(job);
 }
 

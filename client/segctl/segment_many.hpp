@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "absl/status/status.h"
@@ -5,7 +6,7 @@
 
 namespace segserve::segctl {
 
-/// `segctl segment` with --out-dir: see run_batch.
+/// `segctl segment` with --out-dir: see run_batch. The output folder is made if it is missing.
 absl::Status segment_many(const SegmentArguments& arguments);
 
 }  // namespace segserve::segctl

@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/server_flags.hpp"
 
-#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 
-#include "client/segctl/exit_code.hpp"
+#include "client/segctl/messages.hpp"
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 
 namespace segserve::segctl {
@@ -20,7 +21,7 @@ void ServerFlags::add_to(CLI::App& app, double default_timeout_s) {
           ->type_name("ADDRESS")
           ->capture_default_str()
           ->group("Server");
-  timeout_option_ = app.add_option("--timeout", timeout_s_, "give up after so many seconds")
+  timeout_option_ = app.add_option("--timeout", timeout_s_, "give up after this many seconds")
                         ->type_name("SECONDS")
                         ->capture_default_str()
                         ->group("Server");
@@ -35,9 +36,8 @@ absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {
 }
 
 absl::StatusOr<client::Client> ServerFlags::connect(bool fallback_to_local) const {
-  const auto limit = timeout();
-  if (!limit.ok()) return limit.status();
-  return client::Client::connect({.address = address_, .timeout = *limit, .fallback_to_local = fallback_to_local});
+  ASSIGN_OR_RETURN(const auto limit, timeout());
+  return client::Client::connect({.address = address_, .timeout = limit, .fallback_to_local = fallback_to_local});
 }
 
 void warn_of_fallback(const std::string& address) {

@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <optional>
+#include <chrono>
 #include <string>
 
 #include "CLI/CLI.hpp"
@@ -9,17 +10,17 @@
 
 namespace segserve::segctl {
 
-/// The flags --server and --timeout. Must outlive the parsing of the command line.
+/// The flags --server and --timeout. It must outlive the parsing of the command line.
 class ServerFlags {
  public:
-  /// Address: --server, else the environment's SEGCTL_SERVER, else 127.0.0.1:50051.
+  /// The address is that of --server, else that of the environment variable SEGCTL_SERVER, else 127.0.0.1:50051.
   void add_to(CLI::App& app, double default_timeout_s);
 
   bool server_given() const { return server_option_->count() > 0; }
   bool timeout_given() const { return timeout_option_->count() > 0; }
   const std::string& address() const { return address_; }
 
-  /// INVALID_ARGUMENT unless above 0 and at most a day.
+  /// INVALID_ARGUMENT unless it is at least a millisecond and at most a day.
   absl::StatusOr<std::chrono::milliseconds> timeout() const;
   /// `fallback_to_local` as in client::ClientOptions.
   absl::StatusOr<client::Client> connect(bool fallback_to_local = false) const;
@@ -31,7 +32,7 @@ class ServerFlags {
   CLI::Option* timeout_option_ = nullptr;
 };
 
-/// Tells that --fallback-local was of use.
+/// Tells on standard error that --fallback-local took the place of a server.
 void warn_of_fallback(const std::string& address);
 
 }  // namespace segserve::segctl

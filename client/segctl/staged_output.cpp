@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/staged_output.hpp"
 
 #include <unistd.h>
@@ -10,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 
 namespace segserve::segctl {
@@ -27,26 +29,26 @@ absl::Status write_bytes(const std::string& path, std::string_view bytes) {
   if (file == nullptr) return cannot_write(path, errno);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
   const int write_error = errno;
-  const bool closed = (to_stdout ? std::fflush(file) : std::fclose(file)) == 0;  // a full disk may show only here
+  const bool closed = (to_stdout ? std::fflush(file) : std::fclose(file)) == 0;  // A full disk may show only here.
   if (written && closed) return absl::OkStatus();
   return cannot_write(to_stdout ? "standard output" : path, written ? errno : write_error);
 }
 
-/// Devices and pipes are written to; only regular files are replaced.
+/// True for regular files and new ones. Devices and pipes are written to, not replaced.
 bool is_replaceable(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   return status.type() == fs::file_type::not_found || status.type() == fs::file_type::regular;
 }
 
-/// Where a symbolic link leads, so that the link itself survives.
+/// The file that a symbolic link leads to, so that the link itself survives.
 fs::path target_of(const fs::path& path) {
   std::error_code error;
   fs::path target = fs::weakly_canonical(path, error);
   return error ? path : target;
 }
 
-/// Temporary files that disappear unless they were renamed.
+/// Temporary files. The destructor removes those that were not renamed.
 class TemporaryFiles {
  public:
   TemporaryFiles() = default;
@@ -75,7 +77,7 @@ class TemporaryFiles {
   }
 
  private:
-  std::vector<std::pair<fs::path, fs::path>> files_;  // temporary name, final name
+  std::vector<std::pair<fs::path, fs::path>> files_;  ///< Temporary name and final name.
 };
 
 }  // namespace
@@ -89,7 +91,7 @@ absl::Status StagedOutput::announce(std::string_view path) {
       return absl::InvalidArgumentError(fmt::format("cannot write {}: there is no folder {}", path, parent.string()));
     }
     if (path.empty() || fs::is_directory(target, error)) {
-      return absl::InvalidArgumentError(fmt::format("cannot write '{}': not the name of a file", path));
+      return absl::InvalidArgumentError(fmt::format("cannot write '{}': it is not the name of a file", path));
     }
   }
   if (std::ranges::find(announced_, target) != announced_.end() && (path == "-" || is_replaceable(target))) {
@@ -115,13 +117,11 @@ absl::Status StagedOutput::commit() {
   for (const File& file : files_) {
     if (file.path == "-") continue;
     const bool replace = is_replaceable(file.path);
-    absl::Status status = replace ? temporary.write(target_of(file.path), file.write) : file.write(file.path);
-    if (!status.ok()) return status;
+    RETURN_IF_ERROR(replace ? temporary.write(target_of(file.path), file.write) : file.write(file.path));
   }
-  if (absl::Status status = temporary.rename_all(); !status.ok()) return status;
+  RETURN_IF_ERROR(temporary.rename_all());
   for (const File& file : files_) {
-    if (file.path != "-") continue;
-    if (absl::Status status = file.write("-"); !status.ok()) return status;
+    if (file.path == "-") RETURN_IF_ERROR(file.write("-"));
   }
   return absl::OkStatus();
 }

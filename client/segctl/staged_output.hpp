@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <functional>
@@ -9,25 +10,26 @@
 
 namespace segserve::segctl {
 
-/// The output files of one command: kept in memory until everything is computed, then written under
-/// temporary names and renamed, so that a failure never leaves a partial or a lone file behind.
+/// The output files of one command. Their contents are kept in memory until everything is computed, then written under
+/// temporary names and renamed, so that a failure never leaves a partial file, or some of the files, behind.
 class StagedOutput {
  public:
-  /// Announces a file ("-": standard output) before the work starts. INVALID_ARGUMENT if its folder
-  /// does not exist, it is a folder, or the same target was announced already.
+  /// Announces a file ("-": standard output) before the work starts. INVALID_ARGUMENT if its folder does not exist, if
+  /// it is a folder, or if the same target was announced already.
   absl::Status announce(std::string_view path);
 
-  /// Writes a whole file to a path it is given, or to standard output for "-".
+  /// Writes a whole file to the path that it is given, or to standard output for "-".
   using Writer = std::function<absl::Status(const std::string& path)>;
 
-  /// The content of an announced file.
+  /// Adds the content of an announced file.
   void add(std::string_view path, std::string bytes);
   void add(std::string_view path, Writer writer);
 
-  /// True if some announced file goes to standard output.
+  /// True if one of the announced files goes to standard output.
   bool uses_stdout() const;
 
-  /// Writes all that was added: first the files, then standard output.
+  /// Writes everything that was added: first the files, then standard output. Files are renamed in the opposite order
+  /// of add.
   absl::Status commit();
 
  private:

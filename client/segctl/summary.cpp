@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/summary.hpp"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ Json optional_json(const std::optional<Value>& value) {
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
-/// Points of each segment, largest first: segment s is entry s - 1.
+/// The number of points of each segment: entry s - 1 is that of segment s.
 std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
   std::vector<std::size_t> sizes(segmentation.segments);
   for (const std::uint32_t label : segmentation.labels) {
@@ -70,7 +71,7 @@ std::string sizes_text(const Segmentation& segmentation) {
     text += fmt::format("{}{}", i == 0 ? "" : ", ", sizes[i]);
   }
   if (sizes.empty()) return "no segments";
-  return fmt::format("{} points{}", text, sizes.size() > kShown ? ", .." : "");
+  return fmt::format("{} points{}", text, sizes.size() > kShown ? ", ..." : "");
 }
 
 std::string timings_text(const Summary& summary) {
@@ -126,10 +127,10 @@ Json to_json(const Summary& summary) {
 std::string to_text(const Summary& summary) {
   const client::Result& result = summary.result;
   const Segmentation& segmentation = result.segmentation;
-  const bool in_part = segmentation.segmented_points != segmentation.finite_points;
+  const bool some_left_out = segmentation.segmented_points != segmentation.finite_points;
   std::string text =
       fmt::format("{}: {} points, {} finite{}; {}\n", summary.input, result.points, segmentation.finite_points,
-                  in_part ? fmt::format(", {} segmented", segmentation.segmented_points) : "", result.view_rule);
+                  some_left_out ? fmt::format(", {} segmented", segmentation.segmented_points) : "", result.view_rule);
   if (segmentation.support_plane) text += support_plane_text(*segmentation.support_plane);
   text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
                       result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",
@@ -137,13 +138,9 @@ std::string to_text(const Summary& summary) {
   return text + timings_text(summary) + "\n";
 }
 
-absl::Status report(const Summary& summary, const std::string& json_path, bool quiet, StagedOutput& output) {
-  if (!json_path.empty()) {
-    // Names of files need not be UTF-8; JSON must be.
-    output.add(json_path, to_json(summary).dump(-1, ' ', false, Json::error_handler_t::replace) + "\n");
-  }
-  const bool show_text = !quiet && !output.uses_stdout();
-  if (show_text) output.add("-", to_text(summary));
+absl::Status report(const Summary& summary, const JsonFlag& json, bool quiet, StagedOutput& output) {
+  json.add(output, to_json(summary));
+  if (!quiet && !output.uses_stdout()) output.add("-", to_text(summary));
   return output.commit();
 }
 

@@ -1,40 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/view_flag.hpp"
 
-#include <charconv>
-#include <cmath>
-#include <optional>
-
+#include "client/segctl/number_list.hpp"
 #include "fmt/format.h"
 
 namespace segserve::segctl {
-namespace {
-
-std::optional<Eigen::Vector3f> parse_position(std::string_view text) {
-  Eigen::Vector3f position;
-  const char* at = text.data();
-  const char* const end = text.data() + text.size();
-  for (Eigen::Index axis = 0; axis < position.size(); ++axis) {
-    if (axis > 0 && (at == end || *at++ != ',')) return std::nullopt;
-    const auto [rest, error] = std::from_chars(at, end, position[axis]);
-    if (error != std::errc{} || !std::isfinite(position[axis])) return std::nullopt;
-    at = rest;
-  }
-  return at == end ? std::optional(position) : std::nullopt;
-}
-
-}  // namespace
 
 absl::StatusOr<View> parse_view(std::string_view text) {
   constexpr std::string_view kPositioned = "world:";
   if (text == "camera") return View::camera();
   if (text == "world") return View::world();
   if (text.starts_with(kPositioned)) {
-    if (const auto position = parse_position(text.substr(kPositioned.size()))) {
-      return View{ViewKind::kWorld, position};
+    if (const auto position = parse_numbers<float, 3>(text.substr(kPositioned.size()))) {
+      return View::world((*position)[0], (*position)[1], (*position)[2]);
     }
   }
   return absl::InvalidArgumentError(
-      fmt::format("--view {}: must be camera, world or world:X,Y,Z with the sensor's position in metres", text));
+      fmt::format("--view {}: must be camera, world or world:X,Y,Z with the sensor's position in meters", text));
 }
 
 std::string view_text(const View& view) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -8,10 +9,11 @@
 
 namespace segserve::segctl {
 
-/// "camera", "world" or "world:X,Y,Z" (the sensor's position, metres). INVALID_ARGUMENT otherwise.
+/// Reads "camera", "world" or "world:X,Y,Z", where X, Y, Z is the sensor's position in the frame of the cloud, in
+/// meters. INVALID_ARGUMENT for any other text.
 absl::StatusOr<View> parse_view(std::string_view text);
 
-/// The same text back.
+/// The text that parse_view reads as this view.
 std::string view_text(const View& view);
 
 }  // namespace segserve::segctl

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/segctl/batch_report.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "client/segctl/exit_code.hpp"
+#include "client/segctl/messages.hpp"
+#include "client/segctl/server_flags.hpp"
+#include "client/segctl/staged_output.hpp"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "fmt/format.h"
+#include "nlohmann/json.hpp"
+
+namespace segserve::segctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using State = FileOutcome::State;
+
+const char* name_of(State state) {
+  switch (state) {
+    case State::kSegmented:
+      return "segmented";
+    case State::kSkipped:
+      return "skipped";
+    default:
+      return "failed";
+  }
+}
+
+Json to_json(const BatchInput& input, const FileOutcome& outcome) {
+  const bool has_output = outcome.state != State::kFailed;
+  return {{"input", input.path},
+          {"state", name_of(outcome.state)},
+          {"output", has_output ? Json(input.cloud_path) : Json()},
+          {"points", has_output ? Json(outcome.points) : Json()},
+          {"segments", has_output ? Json(outcome.segments) : Json()},
+          {"error", has_output ? Json() : Json(message_of(outcome.status))}};
+}
+
+}  // namespace
+
+absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& outcomes) {
+  if (job.client && std::ranges::any_of(outcomes, &FileOutcome::in_this_process)) warn_of_fallback(job.server);
+  StagedOutput output;
+  RETURN_IF_ERROR(job.json->announce(output));
+  std::string lines;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) lines += json_text(to_json(job.inputs[i], outcomes[i]));
+  job.json->add(output, lines);
+  const auto count = [&](State state) { return std::ranges::count(outcomes, state, &FileOutcome::state); };
+  if (!job.quiet && !output.uses_stdout()) {
+    output.add("-", fmt::format("{} segmented, {} done before, {} failed\n", count(State::kSegmented),
+                                count(State::kSkipped), count(State::kFailed)));
+  }
+  RETURN_IF_ERROR(output.commit());
+
+  bool only_bad_input = true;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i].state != State::kFailed) continue;
+    print_error(fmt::format("{}: {}", job.inputs[i].path, message_of(outcomes[i].status)));
+    only_bad_input = only_bad_input && exit_code(outcomes[i].status) == kBadInput;
+  }
+  if (count(State::kFailed) == 0) return absl::OkStatus();
+  const std::string message = fmt::format("{} of {} files failed", count(State::kFailed), outcomes.size());
+  return only_bad_input ? absl::InvalidArgumentError(message) : absl::UnavailableError(message);
+}
+
+}  // namespace segserve::segctl

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "absl/status/status.h"
+#include "client/segctl/batch.hpp"
+#include "client/segctl/batch_progress.hpp"
+
+namespace segserve::segctl {
+
+/// Writes the JSON lines and the counts that a batch is asked for, and one error line for each file that failed.
+/// `outcomes` has one entry per input. Returns the status of the whole batch: see run_batch.
+absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& outcomes);
+
+}  // namespace segserve::segctl
