@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 """Runs the real `segserve` and `segctl`, as a user would, and reads what they write."""
 import json
 import os
@@ -19,7 +20,7 @@ SUCCESS, FAILED, BAD_INPUT = 0, 1, 2
 
 
 def segctl(*arguments, stdin=b"", environment=None):
-    """Runs segctl to its end; its output is bytes. SEGCTL_SERVER of the caller does not leak in."""
+    """Runs segctl to its end; its output is bytes. It does not see the SEGCTL_SERVER of the caller."""
     clean = {name: value for name, value in os.environ.items() if name != "SEGCTL_SERVER"}
     return subprocess.run([SEGCTL, *map(str, arguments)], input=stdin, capture_output=True, timeout=120,
                           env=clean | (environment or {}))
@@ -89,7 +90,7 @@ class EndToEnd(unittest.TestCase):
         return self._segment(scene, "--local", *flags)
 
     def _segment(self, scene, *flags):
-        output = self.path(f"labelled-{time.monotonic_ns()}.pcd")
+        output = self.path(f"labeled-{time.monotonic_ns()}.pcd")
         done = self.run_well("segment", scene, "-o", output, "--json", "-", *flags)
         return pcd.read_labels(output), json.loads(done.stdout)
 

@@ -1,4 +1,5 @@
-"""The little of PCD that the tests need."""
+# SPDX-License-Identifier: Apache-2.0
+"""Writes and reads the PCD files that the tests need."""
 import struct
 
 
@@ -9,7 +10,7 @@ def header(points, fields="x y z", size="4 4 4", kind="F F F", count="1 1 1", wi
 
 
 def ascii_file(points, colors=None):
-    """Points (x, y, z), with packed colours as unsigned integers if given."""
+    """Points (x, y, z), with packed colors as unsigned integers if given."""
     if colors is None:
         return header(len(points)) + "".join(f"{x} {y} {z}\n" for x, y, z in points).encode()
     rows = "".join(f"{x} {y} {z} {color}\n" for (x, y, z), color in zip(points, colors))
@@ -40,7 +41,7 @@ def read_labels(path):
 
 
 def read_points(path):
-    """The columns x, y, z and the packed colours."""
+    """The columns x, y, z and the packed colors."""
     fields, body = read_binary(path)
     assert fields[:4] == ["x", "y", "z", "rgb"], fields
     rows = list(struct.iter_unpack("<3fI" + "I" * (len(fields) - 4), body))

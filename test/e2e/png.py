@@ -1,4 +1,5 @@
-"""The little of PNG that the tests need."""
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the PNG images that the tests need."""
 import struct
 import zlib
 
@@ -13,12 +14,12 @@ def _file(width, height, depth, color_type, rows):
             _chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows))) + _chunk(b"IEND", b""))
 
 
-def grey16(width, height, values):
+def gray16(width, height, values):
     rows = [struct.pack(f">{width}H", *values[row * width:(row + 1) * width]) for row in range(height)]
     return _file(width, height, 16, 0, rows)
 
 
 def rgb8(width, height, colors):
-    """Colours as 0xRRGGBB."""
+    """Colors as 0xRRGGBB."""
     rows = [b"".join(color.to_bytes(3, "big") for color in colors[row * width:(row + 1) * width]) for row in range(height)]
     return _file(width, height, 8, 2, rows)

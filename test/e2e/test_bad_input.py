@@ -1,4 +1,5 @@
-"""Bad input: exit code 2 and one clear line, no output file, and the server goes on serving."""
+# SPDX-License-Identifier: Apache-2.0
+"""Bad input gives exit code 2, one clear line and no output file, and the server goes on serving."""
 import random
 import struct
 import unittest
@@ -14,7 +15,7 @@ class BadInput(EndToEnd):
     server_flags = ("--max-points", str(LIMIT))
 
     def ways(self):
-        """Every way a cloud can take."""
+        """Every way in which a cloud can be segmented."""
         server = ("--server", self.server.address)
         return {"local": ("--local",), "planar": server, "zstd": (*server, "--zstd"), "pcd": (*server, "--codec", "pcd")}
 

@@ -1,4 +1,5 @@
-"""segctl segment on many files: parallel, goes on where it was stopped, and a bad file stops no other."""
+# SPDX-License-Identifier: Apache-2.0
+"""segctl segment on many files runs in parallel and goes on where it was stopped, and a bad file stops no other."""
 import json
 import os
 import pathlib
@@ -24,9 +25,11 @@ class Batch(EndToEnd):
         where = ("--server", self.server.address) if where is None else where
         return segctl("segment", self.inputs, "--out-dir", self.outputs, "--json", "-", *where, *flags)
 
+    def lines(self, done):
+        return [json.loads(line) for line in done.stdout.decode().splitlines()]
+
     def states(self, done):
-        lines = [json.loads(line) for line in done.stdout.decode().splitlines()]
-        return {pathlib.Path(line["input"]).name: line["state"] for line in lines}
+        return {pathlib.Path(line["input"]).name: line["state"] for line in self.lines(done)}
 
     def contents(self):
         return {path.name: path.read_bytes() for path in self.outputs.iterdir() if path.suffix == ".pcd"}
@@ -82,7 +85,7 @@ class Batch(EndToEnd):
     def test_goes_on_where_it_stopped(self):
         self.batch()
         (self.outputs / "scene2.pcd").unlink()
-        (self.outputs / "scene3.json").write_text('{"batch": ')  # as no run of ours leaves it
+        (self.outputs / "scene3.json").write_text('{"batch": ')  # No run of segctl leaves such a file.
         done = self.batch()
         self.assertEqual(self.states(done), {"last.ply": "skipped", "scene1.pcd": "skipped", "scene2.pcd": "segmented",
                                              "scene3.pcd": "segmented", "scene4.pcd": "skipped"})
@@ -130,6 +133,34 @@ class Batch(EndToEnd):
         line = self.run_badly(FAILED, "segment", self.inputs, "--out-dir", self.outputs, "--server", "127.0.0.1:1")
         self.assertIn("no answer from 127.0.0.1:1", line)
         self.assertEqual(list(self.outputs.iterdir()), [])
+        missing = self.path("missing")
+        self.run_badly(FAILED, "segment", self.inputs, "--out-dir", missing, "--server", "127.0.0.1:1")
+        self.assertFalse(missing.exists())
+
+    def test_makes_the_output_folder_if_it_is_missing(self):
+        missing = self.path("missing") / "labels"
+        self.run_well("segment", self.inputs, "--out-dir", missing, "--local")
+        self.assertEqual(len(list(missing.glob("*.pcd"))), 5)
+
+    def test_files_that_were_done_before_tell_their_counts(self):
+        first, second = self.lines(self.batch()), self.lines(self.batch())
+        self.assertEqual({line["state"] for line in second}, {"skipped"})
+        for key in ("input", "output", "points", "segments"):
+            self.assertEqual([line[key] for line in first], [line[key] for line in second])
+        self.assertEqual({line["points"] for line in second}, {160 * 120})
+
+    def test_another_format_is_another_output(self):
+        self.batch("--support-plane-distance", "0.01")
+        whole = self.contents()
+        done = self.batch("--support-plane-distance", "0.01", "--drop-unlabelled", "--color", "segment")
+        self.assertEqual(set(self.states(done).values()), {"segmented"})
+        self.assertEqual(self.contents().keys(), whole.keys())
+        for path in self.outputs.glob("*.pcd"):
+            labels = pcd.read_labels(path)
+            self.assertNotIn(0, labels)
+            self.assertLess(len(labels), 160 * 120)
+        done = self.batch("--support-plane-distance", "0.01", "--drop-unlabelled", "--color", "segment")
+        self.assertEqual(set(self.states(done).values()), {"skipped"})
 
     def test_two_servers_and_one_stops(self):
         other = Server(self.folder)
@@ -144,7 +175,8 @@ class Batch(EndToEnd):
         twin = self.path("twin")
         twin.mkdir()
         (twin / "scene1.ply").write_bytes(b"")
-        for arguments, said in (((scene, scene), "--out-dir"), ((scene, "--out-dir", self.path("none")), "no folder"),
+        for arguments, said in (((scene, scene), "--out-dir"), ((scene, "--out-dir", scene, "--local"), "cannot make the folder"),
+                                ((scene, "--out-dir", scene / "x", "--local"), "cannot make the folder"),
                                 ((scene, twin, "--out-dir", self.outputs), "both be written"),
                                 ((scene, "--out-dir", self.inputs), "overwritten"),
                                 ((self.outputs, "--out-dir", self.outputs), "no PCD or PLY"),

@@ -1,10 +1,11 @@
-"""segctl bench: measures a real server, checks its labels, and judges by objectives."""
+# SPDX-License-Identifier: Apache-2.0
+"""segctl bench measures a real server, checks its labels, and judges by objectives."""
 import json
 import os
 import subprocess
 import unittest
 
-from harness import BAD_INPUT, FAILED, EndToEnd, segctl
+from harness import BAD_INPUT, FAILED, EndToEnd, Server, segctl
 
 SMALL = ("--size", "160x120", "--scenes", "2", "--warm-up", "0.2")
 EXAMPLE_STREAM = os.environ["EXAMPLE_STREAM"]
@@ -69,6 +70,21 @@ class Bench(EndToEnd):
                              "--warm-up", "0", "--encoded-beforehand", "--verify")
         self.assertIn(", 0 differ", done.stdout.decode())
 
+    def test_figures_of_nothing_are_null(self):
+        server = Server(self.folder, "--max-points", "100")
+        self.addCleanup(server.close)
+        flags = ("bench", "--server", server.address, *SMALL, "--duration", "0.3")
+        done = segctl(*flags, "--json", "-")
+        self.assertEqual(done.returncode, FAILED)
+        self.assertIn("no frame got a result", done.stderr.decode())
+        told = json.loads(done.stdout)
+        self.assertEqual(told["frames"]["results"], 0)
+        for part in ("latency_ms", "since_sent_ms", "stages_ms"):
+            self.assertEqual(set(told[part].values()), {None}, part)
+        self.assertIsNone(told["client_cpu_ms_per_frame"])
+        self.assertIsNone(told["least_share_percent"])
+        self.assertIn("latency ms    no results", segctl(*flags).stdout.decode())
+
     def test_no_server_is_a_failure(self):
         line = self.run_badly(FAILED, "bench", "--server", "127.0.0.1:1", *SMALL, "--duration", "0.3")
         self.assertIn("no answer from 127.0.0.1:1", line)
@@ -76,7 +92,7 @@ class Bench(EndToEnd):
     def test_wrong_usage(self):
         for flags, said in ((("--objective", "p99=5"), "p99<50ms"), (("--objective", "p42<5ms"), "p42"),
                             (("--size", "640"), "WIDTHxHEIGHT"), (("--arrivals", "poisson"), "--rate"),
-                            (("--verify", "--outputs", "tree"), "labels"), (("--clients", "0"), "--clients"),
+                            (("--verify", "--outputs", "tree"), "labels"), (("--clients", "0"), "--clients"), (("--seed", "-1"), "--seed: -1 is negative"),
                             (("--codec", "none"), "--codec"), (("--codec", "planar,pcd", "--zstd"), "--zstd"),
                             (("--codec", "planar,pcd", "--error-bound", "1"), "--error-bound")):
             with self.subTest(flags=flags):

@@ -1,4 +1,5 @@
-"""segctl cut: any cut of a saved result, without the server."""
+# SPDX-License-Identifier: Apache-2.0
+"""segctl cut makes any cut of a saved result, without the server."""
 import json
 import unittest
 

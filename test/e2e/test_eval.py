@@ -1,4 +1,5 @@
-"""segctl eval: scores of a folder with ground truth, learnt thresholds, results compared; and test/table1."""
+# SPDX-License-Identifier: Apache-2.0
+"""segctl eval scores a folder with ground truth, learns thresholds and compares results; test/table1 uses it."""
 import json
 import pathlib
 import subprocess
@@ -112,16 +113,16 @@ class Eval(EndToEnd):
             self.assertIn(f"{100 * told['one_to_one']['wov']:.2f}", row[4])
 
     def test_tells_what_is_wrong(self):
-        unlabelled = self.path("unlabelled")
-        unlabelled.mkdir()
-        (unlabelled / "x.pcd").write_bytes(pcd.ascii_file([(0, 0, 1), (0, 1, 1)]))
+        unlabeled = self.path("unlabeled")
+        unlabeled.mkdir()
+        (unlabeled / "x.pcd").write_bytes(pcd.ascii_file([(0, 0, 1), (0, 1, 1)]))
         result = self.path("result.json")
         self.run_well("eval", "--data", self.data, "-q", "--json", result)
         for part, *flags in (("--data or --compare",), ("no .pcd or .ply", "--data", self.empty),
                              ("there is no folder", "--data", self.folder / "absent"),
                              ("is no folder", "--data", self.data / "1.pcd"),
-                             ("no field \"label\"", "--data", unlabelled),
-                             ("none of", "--data", self.data, "--method", "best"),
+                             ("no field \"label\"", "--data", unlabeled),
+                             ("not one of", "--data", self.data, "--method", "best"),
                              ("keep: 0 is not in (0, 1]", "--data", self.data, "--keep", "0"),
                              ("--learn excludes", "--data", self.data, "--learn", self.data, "--threshold", "0.1"),
                              ("no .pcd or .ply", "--data", self.data, "--learn", self.empty),

@@ -1,4 +1,5 @@
-"""Many robots at once, with every codec: each label is right, and nobody starves."""
+# SPDX-License-Identifier: Apache-2.0
+"""Many robots send at once, with every codec: each label is right, and no robot starves."""
 import json
 import os
 import unittest

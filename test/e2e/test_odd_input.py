@@ -1,4 +1,5 @@
-"""Valid but odd input gives a sensible result, the same one from the server and from this process."""
+# SPDX-License-Identifier: Apache-2.0
+"""Valid but odd input gives a sensible result, and the same one with and without the server."""
 import math
 import unittest
 
@@ -31,11 +32,11 @@ class OddInput(EndToEnd):
     def test_all_points_equal(self):
         self.assertEqual(self.labels(pcd.ascii_file([(0.5, 0.5, 2.0)] * 1000)), [1] * 1000)
 
-    def test_a_flat_cloud_of_one_colour(self):
+    def test_a_flat_cloud_of_one_color(self):
         points = square(n=60)
         self.assertEqual(self.labels(pcd.ascii_file(points, [0x336699] * len(points))), [1] * len(points))
 
-    def test_no_colour_at_all(self):
+    def test_no_color_at_all(self):
         points = square(n=40)
         self.assertEqual(self.labels(pcd.ascii_file(points)), [1] * len(points))
 
@@ -47,7 +48,7 @@ class OddInput(EndToEnd):
             self.assertEqual(len(set(labels[25 * i:25 * (i + 1)])), 1)
         self.assertEqual(max(self.labels(pcd.ascii_file(points), "--regions", "3")), 3)
 
-    def test_nan_colours_in_a_float_field(self):
+    def test_nan_colors_in_a_float_field(self):
         head = pcd.header(100, "x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1")
         rows = "".join(f"{x} {y} {z} nan\n" for x, y, z in square())
         self.assertEqual(self.labels(head + rows.encode()), [1] * 100)

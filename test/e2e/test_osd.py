@@ -1,4 +1,5 @@
-"""A real scene: the server and this process give the same labels byte for byte."""
+# SPDX-License-Identifier: Apache-2.0
+"""A real scene gives the same labels byte for byte with and without the server."""
 import unittest
 
 from harness import DATA, EndToEnd
@@ -13,7 +14,7 @@ class RealScene(EndToEnd):
             files = []
             for where in (("--local",), ("--server", self.server.address),
                           ("--server", self.server.address, "--codec", "pcd")):
-                output = self.path("labelled.pcd")
+                output = self.path("labeled.pcd")
                 self.run_well("segment", scene, "-q", "-o", output, *where)
                 files.append(output.read_bytes())
             self.assertEqual(files[0], files[1])

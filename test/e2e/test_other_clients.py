@@ -1,5 +1,6 @@
-"""Clients in other languages, made from the .proto files alone, get the same labels as segctl, and
-cut the merge tree themselves as segctl does."""
+# SPDX-License-Identifier: Apache-2.0
+"""Clients in other languages, made from the .proto files alone, get the same labels as segctl and cut the merge tree as
+segctl does."""
 import os
 import pathlib
 import shutil
@@ -23,7 +24,7 @@ def run(*command, **options):
 
 
 def grpc_js():
-    """The folder with grpc-js, from npm, once, in the cache folder, where test/lint keeps buf, too."""
+    """The folder with grpc-js, which npm installs once in the cache folder (test/lint keeps buf there, too)."""
     cache = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "segserve"
     folder = cache / "-".join(["grpc-js", *GRPC_JS.values()])
     if not (folder / "node_modules" / "@grpc" / "proto-loader").exists():
@@ -41,7 +42,7 @@ class OtherClients(EndToEnd):
         for seed, shape in enumerate([(160, 120), (200, 90), (64, 48)], start=1):
             scene = cls.folder / f"scene-{seed}.pcd"
             cls().run_well("synth", "-o", scene, "--quiet", "--seed", seed, "--width", shape[0], "--height", shape[1])
-            labels = cls.folder / f"labelled-{seed}.pcd"
+            labels = cls.folder / f"labeled-{seed}.pcd"
             result = cls.folder / f"result-{seed}.segres"
             cls().run_well("segment", scene, "--local", "-q", "-o", labels, "--result", result)
             expected = {"labels": pcd.read_labels(labels)}
@@ -53,7 +54,7 @@ class OtherClients(EndToEnd):
 
     @classmethod
     def write_planes(cls, scene, seed, shape):
-        """The scene as the clients want it."""
+        """Writes the scene in the form that the clients read."""
         folder = cls.folder / f"planes-{seed}"
         folder.mkdir()
         x, y, z, color = pcd.read_points(scene)
@@ -75,7 +76,7 @@ class OtherClients(EndToEnd):
                 file.unlink()
 
     def folders(self):
-        """Each cloud several times, so that the credit is used up."""
+        """Every cloud several times, so that the credit is used up."""
         return [str(folder) for folder in self.expected] * 5
 
     def test_python(self):
@@ -84,7 +85,7 @@ class OtherClients(EndToEnd):
         run("protoc", f"--proto_path={PROTO}", f"--python_out={generated}",
             *sorted(path.relative_to(PROTO) for path in PROTO.glob("*/*/*.proto") if path.parts[-3] != "google"),
             *sorted(path.relative_to(PROTO) for path in PROTO.glob("google/rpc/*.proto")))
-        # Debian's Python, whose grpc this is; the one that runs us may be another.
+        # Debian's Python has the package grpc. The Python that runs this test may be another one.
         run("/usr/bin/python3", HERE / "clients" / "stream_client.py", generated, self.server.address, *self.folders())
         self.check("labels", *CUTS)
 

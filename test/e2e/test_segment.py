@@ -1,4 +1,5 @@
-"""segctl segment: the server and this process agree, whatever the file's format."""
+# SPDX-License-Identifier: Apache-2.0
+"""segctl segment gives the same result with and without the server, for every format of files."""
 import json
 import struct
 import unittest
@@ -51,7 +52,7 @@ class Formats(EndToEnd):
             with self.subTest(name=name, encoding=encoding):
                 copy = self.path(name)
                 self.run_well("segment", scene, "--local", "-q", "-o", copy, "--encoding", encoding)
-                labels, _ = self.segment(copy, "--view", "camera")  # PLY does not know it
+                labels, _ = self.segment(copy, "--view", "camera")  # PLY files do not tell the view.
                 self.assertEqual(labels, expected)
 
     def test_big_endian_ply_gives_the_same_labels(self):
@@ -70,7 +71,7 @@ class Formats(EndToEnd):
         piped = self.run_well("segment", "-", "--local", "-o", "-", stdin=scene.read_bytes())
         self.assertEqual(piped.stdout, named.read_bytes())
 
-    def test_the_own_colour_is_kept_unless_asked_otherwise(self):
+    def test_the_own_color_is_kept_unless_asked_otherwise(self):
         scene = self.path("red.pcd")
         scene.write_bytes(pcd.ascii_file([(0.01 * i, 0.0, 1.0) for i in range(50)], [0xFF0000] * 50))
         own, painted = self.path("own.pcd"), self.path("painted.pcd")
@@ -81,6 +82,24 @@ class Formats(EndToEnd):
         colors = [line.split()[3] for line in painted.read_text().split("DATA ascii\n")[1].splitlines()]
         self.assertEqual(len(rows), 50)
         self.assertNotEqual([row[3] for row in rows], colors)
+
+    def test_points_without_a_segment_can_be_left_out(self):
+        scene = self.synth(*SMALL)
+        flags = ("--support-plane-distance", "0.01")
+        labels, told = self.segment_locally(scene, *flags)
+        x, y, z, color = pcd.read_points(scene)
+        kept = [i for i, label in enumerate(labels) if label > 0]
+        self.assertTrue(0 < len(kept) < told["finite"])
+        result = self.path("scene.segres")
+        self.run_well("segment", scene, "--local", "-q", *flags, "--result", result)
+        for command in (("segment", scene, "--local", *flags), ("cut", result, "--cloud", scene, "--threshold", told["threshold"])):
+            objects = self.path("objects.pcd")
+            self.run_well(*command, "-q", "-o", objects, "--drop-unlabelled")
+            self.assertEqual(pcd.read_labels(objects), [labels[i] for i in kept])
+            self.assertEqual(pcd.read_points(objects), [[channel[i] for i in kept] for channel in (x, y, z, color)])
+        ply = self.path("objects.ply")
+        self.run_well("segment", scene, "--local", "-q", *flags, "-o", ply, "--drop-unlabelled", "--encoding", "ascii")
+        self.assertIn(f"element vertex {len(kept)}\n", ply.read_text())
 
     def test_a_picture_is_a_png(self):
         scene, picture = self.synth(*SMALL), self.path("segments.png")
@@ -108,13 +127,13 @@ class Summary(EndToEnd):
     def test_falls_back_to_this_process_if_told_to(self):
         scene = self.synth(*SMALL)
         expected, _ = self.segment_locally(scene)
-        labelled = self.path("labelled.pcd")
-        flags = ("segment", scene, "-o", labelled, "--json", "-", "--fallback-local", "--server")
+        labeled = self.path("labeled.pcd")
+        flags = ("segment", scene, "-o", labeled, "--json", "-", "--fallback-local", "--server")
         done = segctl(*flags, "127.0.0.1:1")
         self.assertEqual(done.returncode, SUCCESS)
         self.assertEqual(done.stderr.decode(), "segctl: no server is in reach at 127.0.0.1:1: segmented in this process\n")
         self.assertIsNone(json.loads(done.stdout)["server"])
-        self.assertEqual(pcd.read_labels(labelled), expected)
+        self.assertEqual(pcd.read_labels(labeled), expected)
         done = self.run_well(*flags, self.server.address)
         self.assertEqual(json.loads(done.stdout)["server"], self.server.address)
         self.run_badly(FAILED, "segment", scene, "--server", "127.0.0.1:1", "--timeout", "2")

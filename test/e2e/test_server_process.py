@@ -1,4 +1,5 @@
-"""The process `segserve`: it ends cleanly on SIGTERM, and health tells."""
+# SPDX-License-Identifier: Apache-2.0
+"""The process segserve ends cleanly on SIGTERM, and segctl health tells whether it serves."""
 import signal
 import unittest
 

@@ -1,6 +1,7 @@
-// A client of SegmentStream that shares no code with ours: grpc-js and nothing but the .proto files.
+// SPDX-License-Identifier: Apache-2.0
+// A client of SegmentStream that shares no code with segserve: it uses grpc-js and the .proto files alone.
 //
-//   node stream_client.js PROTO ADDRESS FOLDER..
+//   node stream_client.js PROTO ADDRESS FOLDER...
 //
 // PROTO is the folder proto/. The folders are those of stream_client.py. NODE_PATH must lead to @grpc/grpc-js and
 // @grpc/proto-loader.

@@ -1,11 +1,12 @@
-"""A client of SegmentStream that shares no code with ours: Python's gRPC and nothing but the .proto files.
+# SPDX-License-Identifier: Apache-2.0
+"""A client of SegmentStream that shares no code with segserve: it uses Python's gRPC and the .proto files alone.
 
-    stream_client.py GENERATED ADDRESS FOLDER..
+    stream_client.py GENERATED ADDRESS FOLDER...
 
-GENERATED holds what protoc --python_out made of proto/. Each FOLDER is a cloud in the camera's view: x.f32, y.f32, z.f32
-and rgb.u8 (planar raw) and shape ("WIDTH HEIGHT"). Its labels are written there, labels.u32, and the cuts of its merge
-tree that are made here, regions-7.u32, threshold-0.2.u32 and so on. All clouds go through one stream, within the server's
-credit.
+GENERATED holds what protoc --python_out makes of proto/. Each FOLDER is a cloud in the camera's view: x.f32, y.f32, z.f32
+and rgb.u8 (planar raw) and shape ("WIDTH HEIGHT"). Its labels are written there, labels.u32, and so are the cuts
+that this client makes of its merge tree, regions-7.u32, threshold-0.2.u32 and so on. All clouds go through one stream,
+within the credit that the server grants.
 """
 import bisect
 import itertools
@@ -23,7 +24,7 @@ PLANES = ("x.f32", "y.f32", "z.f32", "rgb.u8")
 
 
 def frame_messages(sequence, folder, chunk_bytes):
-    """The header and the chunks of a cloud; also the bytes of credit that it takes."""
+    """The messages of a cloud, its header and its chunks, and the bytes of credit that it takes."""
     planes = [(folder / name).read_bytes() for name in PLANES]
     width, height = map(int, (folder / "shape").read_text().split())
     blocks = [block_pb2.Block(compression=block_pb2.COMPRESSION_NONE, decoded_bytes=len(plane), encoded_bytes=len(plane))
@@ -46,7 +47,7 @@ def integers(array, data):
 
 
 def read_result(responses, outcome):
-    """What follows an outcome: labels, supervoxels and the columns of the tree."""
+    """Reads what follows an outcome: labels, supervoxels and the columns of the tree."""
     assert outcome.kind == stream_pb2.OUTCOME_KIND_RESULT, outcome
     payload = b""
     while len(payload) < outcome.encoded_bytes:
@@ -83,7 +84,7 @@ def cut(supervoxels, leaf_points, left, right, rows):
 
 
 def write_result(folder, responses, outcome):
-    """The labels, and cuts of our own."""
+    """Writes the labels, and the cuts that this client makes."""
     labels, supervoxels, leaf_points, left, right, weight = read_result(responses, outcome)
     height = list(itertools.accumulate(weight, max))
     rows = {"regions-7": max(len(leaf_points) - 7, 0),

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""segctl synth: scenes with ground truth as clouds, images and pictures."""
+import json
+import struct
+import unittest
+
+from harness import BAD_INPUT, EndToEnd
+import pcd
+
+SMALL = ("--width", "160", "--height", "120")
+
+
+class Synth(EndToEnd):
+    def test_json_tells_what_the_scene_holds(self):
+        scene = self.path("scene.pcd")
+        told = json.loads(self.run_well("synth", "-o", scene, *SMALL, "--seed", "3", "--objects", "4", "--json", "-").stdout)
+        self.assertEqual((told["width"], told["height"], told["points"]), (160, 120, 160 * 120))
+        self.assertEqual(told["finite"], sum(x == x for x in pcd.read_points(scene)[0]))
+        self.assertEqual((told["seed"], told["objects"]), (3, 4))
+        self.assertEqual(told["intrinsics"], {"fx": 131.25, "fy": 131.25, "cx": 79.5, "cy": 59.5})
+        self.assertIsNone(told["depth_scale"])
+        room = json.loads(self.run_well("synth", "--fused", "--points", "2000", "-o", scene, "--json", "-").stdout)
+        self.assertEqual((room["points"], room["height"], room["intrinsics"]), (2000, 1, None))
+
+    def test_images_are_the_scene(self):
+        scene, depth, summary = self.path("scene.pcd"), self.path("depth.png"), self.path("summary.json")
+        for color in (self.path("color.jpg"), self.path("color.png")):
+            with self.subTest(color=color.suffix):
+                said = self.run_well("synth", *SMALL, "-o", scene, "--depth", depth, "--rgb", color, "--json", summary)
+                flags = said.stdout.decode().split("segctl segment ")[1].split()
+                self.assertEqual(flags, ["--depth", str(depth), "--rgb", str(color), "--intrinsics",
+                                         "131.25,131.25,79.5,59.5"])
+                self.assertEqual(json.loads(summary.read_text())["depth_scale"], 0.001)
+                decoded = self.path("decoded.pcd")
+                told = json.loads(self.run_well("segment", *flags, "--local", "-o", decoded, "--json", "-").stdout)
+                self.assertEqual(told["finite"], json.loads(summary.read_text())["finite"])
+                self.assertGreater(told["segments"], 3)
+                expected, got = pcd.read_points(scene), pcd.read_points(decoded)
+                for axis in range(3):
+                    for a, b in zip(expected[axis], got[axis]):
+                        self.assertTrue(abs(a - b) < 0.001 or (a != a and b != b))
+                if color.suffix == ".png":
+                    visible = [i for i, x in enumerate(expected[0]) if x == x]
+                    self.assertEqual([expected[3][i] for i in visible], [got[3][i] for i in visible])
+
+    def test_a_depth_image_may_be_alone_and_in_another_unit(self):
+        depth = self.path("depth.png")
+        said = self.run_well("synth", *SMALL, "--depth", depth, "--depth-scale", "0.0005").stdout.decode()
+        flags = said.split("segctl segment ")[1].split()
+        self.assertEqual(flags[-2:], ["--depth-scale", "0.0005"])
+        self.run_well("segment", *flags, "--local")
+
+    def test_pictures_of_labels_and_of_the_scene_itself(self):
+        labels, plain = self.path("labels.png"), self.path("plain.png")
+        self.run_well("synth", *SMALL, "-q", "--picture", labels, "--plain-picture", plain)
+        for picture in (labels, plain):
+            self.assertEqual(struct.unpack(">2I", picture.read_bytes()[16:24]), (160, 120))
+        self.assertNotEqual(labels.read_bytes(), plain.read_bytes())
+        scene, again = self.path("scene.pcd"), self.path("again.png")
+        self.run_well("synth", *SMALL, "-q", "-o", scene)
+        self.run_well("segment", scene, "--local", "-q", "--plain-picture", again)
+        self.assertEqual(again.read_bytes(), plain.read_bytes(), "labels do not show in it")
+
+    def test_the_same_seed_gives_the_same_scene(self):
+        scenes = [self.synth("--seed", seed, *SMALL, name=f"{i}.pcd").read_bytes() for i, seed in enumerate((1, 1, 2))]
+        self.assertEqual(scenes[0], scenes[1])
+        self.assertNotEqual(scenes[0], scenes[2])
+
+    def test_wrong_usage(self):
+        for said, *flags in (("-o, --depth, --picture", "--seed", "2"), ("--seed: -1 is negative", "-o", "x.pcd", "--seed", "-1"),
+                             ("--objects: -1 is negative", "-o", "x.pcd", "--objects", "-1"),
+                             ("--rgb", "--rgb", "x.jpg"), ("must end in .png", "--depth", "x.jpg"),
+                             ("must end in .jpg", "--depth", "x.png", "--rgb", "x.bmp"),
+                             ("--depth", "--depth", "x.png", "--fused"),
+                             ("--depth-scale", "--depth", "x.png", "--depth-scale", "0"),
+                             ("does not fit", "--depth", "x.png", "--depth-scale", "1e-6")):
+            with self.subTest(flags=flags):
+                self.assertIn(said, self.run_badly(BAD_INPUT, "synth", *flags))
+
+
+if __name__ == "__main__":
+    unittest.main()
