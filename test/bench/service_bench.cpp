@@ -17,8 +17,8 @@
 #include "fmt/format.h"
 #include "segserve/client/client.hpp"
 #include "server/frames/segmentation_backend.hpp"
-#include "server/server.hpp"
 #include "server/scheduling/worker_pool.hpp"
+#include "server/server.hpp"
 #include "test/bench/frames.hpp"
 
 namespace segserve::bench {
