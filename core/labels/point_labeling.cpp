@@ -17,7 +17,7 @@ absl::Status PointLabeling::run(const FrameContext& frame, const Supervoxels& su
   check.for_each(1, label_of_slot_.size(), [&](std::size_t slot) {
     const std::uint32_t voxel = grid.voxel_of_slot[slot];
     if (voxel == kNoVoxel) return;
-    const std::uint32_t s = supervoxels.of_voxel[voxel];
+    const std::uint32_t s = supervoxels.supervoxel_of_voxel[voxel];
     label_of_slot_[slot] = {cut.segment_of_leaf[s], s + 1};
   });
   RETURN_IF_ERROR(check.status());

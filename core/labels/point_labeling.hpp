@@ -6,7 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/frame_context.hpp"
-#include "core/supervoxels/growth.hpp"
+#include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/voxels/voxel_grid.hpp"
 #include "segserve/merge_tree.hpp"
 

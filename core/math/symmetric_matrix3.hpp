@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "core/math/vec3.hpp"
@@ -21,9 +22,9 @@ inline Symmetric3 operator*(double s, const Symmetric3& a) {
 /// v v^T
 inline Symmetric3 outer(const Vec3& v) { return {v.x * v.x, v.x * v.y, v.x * v.z, v.y * v.y, v.y * v.z, v.z * v.z}; }
 
-/// Unit eigenvector (of either sign) of the smallest eigenvalue of a positive semidefinite matrix:
-/// the normal of the plane that fits best. The zero vector if the direction is not defined, that is
-/// if the two smallest eigenvalues are equal (points on a line, or a single point).
+/// The unit eigenvector, of either sign, of the smallest eigenvalue of a positive semidefinite matrix. For a scatter
+/// matrix it is the normal of the plane that fits best. It is the zero vector if its direction is not defined, because
+/// the two smallest eigenvalues are equal (points on a line, or a single point).
 Vec3 smallest_eigenvector(const Symmetric3& a);
 
 }  // namespace segserve

@@ -1,9 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cmath>
 
 namespace segserve {
 
+/// A vector, or a point, of three coordinates. It serves in code that decides results, and in kernels, where Eigen
+/// would not give the same bits for every CPU.
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 
@@ -22,7 +25,7 @@ inline Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 inline double norm(const Vec3& a) { return std::sqrt(dot(a, a)); }
 
-/// a / |a|, or the zero vector if a is zero: "no direction".
+/// a / |a|, or the zero vector, which stands for no direction, if a is zero.
 inline Vec3 unit(const Vec3& a) {
   const double length = norm(a);
   return length > 0 ? (1 / length) * a : Vec3{};

@@ -9,7 +9,6 @@
 #include "core/merging/merger.hpp"
 #include "core/region_graph/borders.hpp"
 #include "core/region_graph/region_graph.hpp"
-#include "core/supervoxels/growth.hpp"
 #include "core/voxels/voxel_grid.hpp"
 #include "core/weights/border_metric.hpp"
 #include "segserve/merge_tree.hpp"
@@ -22,11 +21,11 @@ class BorderMerging {
  public:
   /// Sets the merge tree. CANCELLED, DEADLINE_EXCEEDED.
   absl::Status run(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
-                   const Supervoxels& supervoxels, const RegionGraph& graph, MergeTree& tree);
+                   const RegionGraph& graph, MergeTree& tree);
 
  private:
   std::vector<Border> borders_;
-  Merger<BorderMetric>::Scratch scratch_;
+  Merger<BorderMetric> merger_;
 };
 
 }  // namespace segserve

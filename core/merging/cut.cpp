@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <limits>
 #include <vector>
@@ -10,19 +11,19 @@
 namespace segserve {
 namespace {
 
-/// The partition after the first `rows` rows, numbered by descending points, ties by smallest leaf.
+/// The partition after the first `rows` rows.
 absl::StatusOr<Cut> cut_after(const MergeTree& tree, std::size_t rows, const StopToken& stop) {
   StopCheck check(stop);
   const std::size_t m = tree.leaf_count();
   const std::size_t nodes = m + rows;
-  // From the top down, every node inherits the root above it.
+  // From the top down, the two nodes of a row take over its root.
   std::vector<std::uint32_t> root(nodes);
   check.for_each(0, nodes, [&](std::size_t node) { root[node] = static_cast<std::uint32_t>(node); });
   for (std::size_t row = rows; row-- > 0 && !check.after(1);) {
     root[tree.left[row]] = root[tree.right[row]] = root[m + row];
   }
   const auto points = [&](std::uint32_t node) { return node < m ? tree.leaf_points[node] : tree.points[node - m]; };
-  std::vector<std::uint32_t> segments;  // roots, in the order of their smallest leaf
+  std::vector<std::uint32_t> segments;  // their roots, in the order of their smallest leaves
   std::vector<std::uint32_t> number(nodes, 0);
   check.for_each(0, m, [&](std::size_t leaf) {
     if (number[root[leaf]]++ == 0) segments.push_back(root[leaf]);

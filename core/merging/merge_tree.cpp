@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/merge_tree.hpp"
 
 #include <algorithm>
@@ -10,7 +11,7 @@
 namespace segserve {
 namespace {
 
-/// Leaves and points of nodes 0 .. 2m - 2, as far as the rows have made them.
+/// The leaves and points of the nodes that the rows so far have made.
 class Nodes {
  public:
   explicit Nodes(const MergeTree& tree) : tree_(tree), used_(tree.leaf_count() + tree.row_count(), false) {}
@@ -21,7 +22,7 @@ class Nodes {
   std::uint64_t points(std::uint32_t node) const {
     return node < tree_.leaf_count() ? tree_.leaf_points[node] : tree_.points[node - tree_.leaf_count()];
   }
-  /// False if the node was merged before.
+  /// Marks the node as merged. Returns false if it was before.
   bool use(std::uint32_t node) {
     const bool fresh = !used_[node];
     used_[node] = true;
@@ -41,7 +42,7 @@ absl::Status fault(std::size_t row, std::string_view what) {
   return absl::InvalidArgumentError(fmt::format("merge tree, row {}: {}", row, what));
 }
 
-/// What does not follow from other columns.
+/// Checks the columns that do not follow from others.
 absl::Status check_given(const MergeTree& tree, std::size_t row, Nodes& nodes) {
   const std::uint32_t left = tree.left[row], right = tree.right[row];
   if (left >= right || right >= tree.leaf_count() + row) {
@@ -109,7 +110,7 @@ absl::StatusOr<MergeTree> complete(TreeColumns columns) {
   for (std::size_t row = 0; row < rows; ++row) {
     if (absl::Status status = check_given(tree, row, nodes); !status.ok()) return status;
     tree.height[row] = height_of(tree, row);
-    // No node is below two others, so these are sums of different leaves.
+    // No node is merged twice, so that these are sums over different leaves.
     tree.leaves[row] = static_cast<std::uint32_t>(nodes.leaves(tree.left[row]) + nodes.leaves(tree.right[row]));
     tree.points[row] = static_cast<std::uint32_t>(nodes.points(tree.left[row]) + nodes.points(tree.right[row]));
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/merging/merge_tree_builder.hpp"
 
 #include <algorithm>
@@ -9,13 +10,13 @@
 
 namespace segserve {
 
-TreeBuilder::TreeBuilder(std::vector<std::uint32_t> leaf_points) : alive_(leaf_points.size(), true) {
+MergeTreeBuilder::MergeTreeBuilder(std::vector<std::uint32_t> leaf_points) : alive_(leaf_points.size(), true) {
   node_.reserve(leaf_points.size());
   for (std::uint32_t leaf = 0; leaf < leaf_points.size(); ++leaf) node_.push_back({leaf, 1, leaf_points[leaf]});
   tree_.leaf_points = std::move(leaf_points);
 }
 
-void TreeBuilder::add_row(std::uint32_t a, std::uint32_t b, double weight, MergeKind kind) {
+void MergeTreeBuilder::add_row(std::uint32_t a, std::uint32_t b, double weight, MergeKind kind) {
   const auto row = static_cast<std::uint32_t>(tree_.row_count());
   const Node merged{static_cast<std::uint32_t>(tree_.leaf_count()) + row, node_[a].leaves + node_[b].leaves,
                     node_[a].points + node_[b].points};
@@ -30,7 +31,7 @@ void TreeBuilder::add_row(std::uint32_t a, std::uint32_t b, double weight, Merge
   alive_[b] = false;
 }
 
-void TreeBuilder::join_components(StopCheck& check) {
+void MergeTreeBuilder::join_components(StopCheck& check) {
   using Component = std::pair<std::uint32_t, std::uint32_t>;  // points, region
   std::priority_queue<Component, std::vector<Component>, std::greater<>> smallest;
   for (std::uint32_t r = 0; r < node_.size() && !check.after(1); ++r) {

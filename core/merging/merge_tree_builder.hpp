@@ -1,26 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/base/stop_check.hpp"
 #include "segserve/merge_tree.hpp"
-#include "segserve/stop_token.hpp"
 
 namespace segserve {
 
 /// Writes the rows of a merge tree. Regions are named by their smallest supervoxel.
-class TreeBuilder {
+class MergeTreeBuilder {
  public:
-  /// `leaf_points`: input points of each supervoxel.
-  explicit TreeBuilder(std::vector<std::uint32_t> leaf_points);
+  /// `leaf_points` are the input points of each supervoxel.
+  explicit MergeTreeBuilder(std::vector<std::uint32_t> leaf_points);
 
-  /// Region b joins region a (a < b): a MERGED row.
+  /// Adds the MERGED row in which region b joins region a; a < b.
   void merge(std::uint32_t a, std::uint32_t b, double weight) { add_row(a, b, weight, MergeKind::kMerged); }
 
-  /// Joins what has no edges left, always the two of the fewest points (ties: the smaller ids), by
-  /// JOINED rows of weight 1, until one tree remains or `check` stops it.
+  /// Joins regions without edges by JOINED rows of weight 1 until one tree remains or `check` stops it. Each row joins
+  /// the two with the fewest points, and of equal ones those with the smaller numbers.
   void join_components(StopCheck& check);
 
   MergeTree finish() && { return std::move(tree_); }
@@ -32,8 +33,8 @@ class TreeBuilder {
     std::uint32_t id, leaves, points;
   };
   MergeTree tree_;
-  std::vector<Node> node_;  // of each region
-  std::vector<bool> alive_;
+  std::vector<Node> node_;   // of each region
+  std::vector<bool> alive_;  // whether the region has not joined another one
 };
 
 }  // namespace segserve

@@ -18,7 +18,7 @@ class PaperMerging {
   absl::Status run(const FrameContext& frame, const RegionGraph& graph, MergeTree& tree, double& lambda);
 
  private:
-  Merger<PaperMetric>::Scratch scratch_;
+  Merger<PaperMetric> merger_;
 };
 
 }  // namespace segserve

@@ -19,14 +19,14 @@ absl::Status for_groups(const FrameContext& frame, const Neighborhoods& neighbor
   const auto work_on_part = [&](const Neighborhoods::Part& part, StopCheck& check) {
     const auto& [groups, spans] = part;
     for (std::size_t first = 0; first < groups.size(); first += kMost) {
-      const WindowGroup* const begin = groups.data() + first;
-      const WindowGroup* const end = groups.data() + std::min(first + kMost, groups.size());
+      const VoxelGroup* const begin = groups.data() + first;
+      const VoxelGroup* const end = groups.data() + std::min(first + kMost, groups.size());
       std::uint64_t visits = 0;
-      for (const WindowGroup* group = begin; group < end; ++group) {
+      for (const VoxelGroup* group = begin; group < end; ++group) {
         visits += std::uint64_t{group->voxels.count} * group->candidates;
       }
       if (check.after(visits)) return;
-      work(WindowGroups{begin, end, spans.data()});
+      work(VoxelGroups{begin, end, spans.data()});
     }
   };
   return parallel_parts(frame.executor, frame.stop, neighborhoods.parts.size(),
@@ -48,12 +48,12 @@ absl::Status EdgeAwareNormals::run(const FrameContext& frame, const VoxelGrid& g
 absl::Status fit_neighborhood_normals(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
                                       const Neighborhoods& neighborhoods, std::vector<Vec3>& normals) {
   const NormalKernels& kernels = normal_kernels();
-  const WindowColumns columns = neighborhoods.columns();
+  const VoxelColumns columns = neighborhoods.columns();
   const bool has_sensor = frame.view().has_sensor();
   const Vec3 sensor = sensor_of(frame.view());
   normals.resize(grid.size());
-  RETURN_IF_ERROR(for_groups(frame, neighborhoods, [&](const WindowGroups& groups) {
-    kernels.fit_windows(columns, groups, normals.data());
+  RETURN_IF_ERROR(for_groups(frame, neighborhoods, [&](const VoxelGroups& groups) {
+    kernels.fit_neighborhoods(columns, groups, normals.data());
     if (!has_sensor) return;
     const std::uint32_t last = groups.end[-1].voxels.first + groups.end[-1].voxels.count;
     for (std::uint32_t v = groups.begin->voxels.first; v < last; ++v) {
@@ -77,9 +77,9 @@ absl::Status refine_normals(const FrameContext& frame, const RefinementOptions& 
   const RefitScales scales{static_cast<float>(2 / (radians * radians)),
                            static_cast<float>(1 / (2 * options.offset * options.offset)),
                            static_cast<float>(options.support)};
-  const WindowColumns columns = neighborhoods.columns();
-  return for_groups(frame, neighborhoods, [&](const WindowGroups& groups) {
-    kernels.refit_windows(columns, scales, groups, normals.data());
+  const VoxelColumns columns = neighborhoods.columns();
+  return for_groups(frame, neighborhoods, [&](const VoxelGroups& groups) {
+    kernels.refit_neighborhoods(columns, scales, groups, normals.data());
   });
 }
 

@@ -12,13 +12,13 @@ namespace segserve {
 namespace {
 
 constexpr std::int64_t kReach = kNeighborhoodReach;
-static_assert(WindowGroup::kMost + std::size_t{2} * kNeighborhoodReach <= kWindowPadding, "a span is one load");
+static_assert(VoxelGroup::kMost + std::size_t{2} * kNeighborhoodReach <= kColumnPadding, "a span is one load");
 constexpr std::int64_t kLayer = std::int64_t{1} << kCellBits;  // between rows, from one z to the next
 constexpr VoxelKey kCellMask = kLayer - 1;
 
 /// Fills the columns except for the normals, for which it makes room.
 absl::Status fill_columns(const FrameContext& frame, const VoxelGrid& grid, Neighborhoods& n) {
-  const std::size_t count = grid.size(), room = count + kWindowPadding;
+  const std::size_t count = grid.size(), room = count + kColumnPadding;
   for (auto* column : {&n.x, &n.y, &n.z}) column->resize(room);
   for (auto* column : {&n.nx, &n.ny, &n.nz, &n.inverse_square_edge}) column->resize(room);
   n.cell_x.resize(room);
@@ -56,7 +56,7 @@ class NeighborhoodSearch {
       const std::uint32_t end = all_.row_begin[row + 1];
       for (std::uint32_t v = all_.row_begin[row]; v < end;) {
         const std::uint32_t first_of_group = v;
-        const std::int32_t left = all_.cell_x[v], right = left + static_cast<std::int32_t>(WindowGroup::kMost);
+        const std::int32_t left = all_.cell_x[v], right = left + static_cast<std::int32_t>(VoxelGroup::kMost);
         while (v < end && all_.cell_x[v] < right) ++v;
         add_group({first_of_group, v - first_of_group});
         if (check.after(nearby_)) return;

@@ -16,7 +16,7 @@ inline constexpr std::int32_t kNeighborhoodReach = 2;
 
 /// The neighborhood of each voxel: all voxels in the 5 x 5 x 5 cells around it, itself included. The layout is that of
 /// the kernels that fit planes to neighborhoods. Each property of the voxels is a column, so that the voxels side by
-/// side in a row of cells are one load. Columns have room for kWindowPadding more voxels.
+/// side in a row of cells are one load. Columns have room for kColumnPadding more voxels.
 struct Neighborhoods {
   std::vector<double> x, y, z;             ///< V: centroids
   std::vector<float> nx, ny, nz;           ///< V: normals; find_neighborhoods only makes room for them
@@ -28,12 +28,12 @@ struct Neighborhoods {
   /// The groups that one thread found. Every voxel is in one group of one part. Groups do not depend on the number of
   /// threads.
   struct Part {
-    std::vector<WindowGroup> groups;
+    std::vector<VoxelGroup> groups;
     std::vector<RowSpan> spans;  ///< to which the groups refer; there may be more
   };
   std::vector<Part> parts;
 
-  WindowColumns columns() const {
+  VoxelColumns columns() const {
     return {x.data(), y.data(), z.data(), nx.data(), ny.data(), nz.data(), inverse_square_edge.data(), cell_x.data()};
   }
 };

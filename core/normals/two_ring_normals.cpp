@@ -21,7 +21,10 @@ absl::Status TwoRingNormals::run(const FrameContext& frame, const VoxelGrid& gri
   rings_.resize(grid.size());
   normals.resize(grid.size());
   StopCheck check(frame.stop);
-  check.for_each(0, grid.size(), [&](std::size_t v) { centroid_[v] = quad(grid.centroid[v], 0); });
+  check.for_each(0, grid.size(), [&](std::size_t v) {
+    const Vec3& c = grid.centroid[v];
+    centroid_[v] = {c.x, c.y, c.z, 0};
+  });
   RETURN_IF_ERROR(check.status());
   RETURN_IF_ERROR(for_voxel_blocks(frame, adjacency, [&](std::size_t first, std::size_t last) {
     kernels.ring_moments(first, last, rows, centroid_.data(), rings_.data());

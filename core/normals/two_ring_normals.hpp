@@ -24,8 +24,8 @@ class TwoRingNormals {
                    std::vector<Vec3>& normals);
 
  private:
-  std::vector<Quad> centroid_;      // V
-  std::vector<RingMoments> rings_;  // V
+  std::vector<PaddedVec3> centroid_;  // V
+  std::vector<RingMoments> rings_;    // V
 };
 
 }  // namespace segserve

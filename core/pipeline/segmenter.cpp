@@ -14,8 +14,8 @@
 #include "core/normals/edge_aware_normals.hpp"
 #include "core/normals/two_ring_normals.hpp"
 #include "core/region_graph/region_graph.hpp"
-#include "core/supervoxels/growth.hpp"
-#include "core/supervoxels/seeds.hpp"
+#include "core/supervoxels/seed_selection.hpp"
+#include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/support_plane/support_plane_removal.hpp"
 #include "core/voxels/component_bridging.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
@@ -60,9 +60,9 @@ struct Segmenter::Workspace {
   SupportPlaneRemoval support_plane_removal;
   EdgeAwareNormals edge_aware_normals;
   TwoRingNormals two_ring_normals;
-  SeedScratch seed_scratch;
-  GrowthScratch growth_scratch;
-  GraphScratch graph_scratch;
+  SeedSelection seed_selection;
+  SupervoxelGrowth supervoxel_growth;
+  RegionGraphConstruction region_graph_construction;
   BorderMerging border_merging;
   PaperMerging paper_merging;
   PointLabeling point_labeling;
@@ -112,26 +112,21 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   timings.normals = watch.lap();
 
   // Over-segmentation (section 2.1): the supervoxels R^m, by VCCS.
-  select_seeds(w.grid, frame.view(), frame.settings.voxel_resolution, frame.settings.seed_resolution, w.seed_scratch,
-               w.seeds, frame.stop);
-  RETURN_IF_ERROR(frame.stop.check());
-  RETURN_IF_ERROR(grow_supervoxels(w.grid, w.adjacency, w.normals, w.seeds, frame.settings, frame.stop,
-                                   w.growth_scratch, w.supervoxels));
-  release_if(is_large, w.seed_scratch, w.seeds, w.growth_scratch);
+  RETURN_IF_ERROR(w.seed_selection.run(frame, w.grid, w.seeds));
+  RETURN_IF_ERROR(w.supervoxel_growth.run(frame, w.grid, w.adjacency, w.normals, w.seeds, w.supervoxels));
+  release_if(is_large, w.seed_selection, w.seeds, w.supervoxel_growth);
   timings.supervoxels = watch.lap();
 
   // The region adjacency graph G^m (section 2.1).
-  build_region_graph(w.grid, w.adjacency, w.normals, w.supervoxels, frame.view(), frame.settings.voxel_resolution,
-                     frame.stop, w.graph_scratch, w.graph);
-  RETURN_IF_ERROR(frame.stop.check());
+  RETURN_IF_ERROR(w.region_graph_construction.run(frame, w.grid, w.adjacency, w.normals, w.supervoxels, w.graph));
   RETURN_IF_ERROR(copy_normals(frame, w.graph, result.supervoxel_normals));
   timings.graph = watch.lap();
 
   // The weights W^m of its edges (eq. 3 to 7); then the two most similar regions merge again and again (eq. 2), which
   // gives the dendrogram D.
-  RETURN_IF_ERROR(by_border ? w.border_merging.run(frame, w.grid, w.normals, w.supervoxels, w.graph, result.tree)
+  RETURN_IF_ERROR(by_border ? w.border_merging.run(frame, w.grid, w.normals, w.graph, result.tree)
                             : w.paper_merging.run(frame, w.graph, result.tree, result.lambda));
-  release_if(is_large, w.graph_scratch, w.graph, w.border_merging, w.paper_merging);
+  release_if(is_large, w.region_graph_construction, w.graph, w.border_merging, w.paper_merging);
   timings.merging = watch.lap();
 
   // A cut of the dendrogram labels every point.

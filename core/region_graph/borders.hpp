@@ -1,22 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <vector>
 
+#include "absl/status/status.h"
+#include "core/base/frame_context.hpp"
 #include "core/region_graph/region_graph.hpp"
 
 namespace segserve {
 
-/// What the border between two supervoxels is like.
+/// The border between two adjacent supervoxels.
 struct Border {
-  double voxel_pairs = 0;  ///< pairs of neighbouring voxels across it, at least 1
-  double concavity = 0;    ///< mean over the pairs of the angle by which they are concave beyond the dead zone, degrees
+  double contacts = 0;   ///< the number of contacts across it, at least 1
+  double concavity = 0;  ///< the mean angle, over the contacts, by which they are concave beyond the dead zone, degrees
 };
 
-/// The border of every edge of the graph, in its order. A pair of voxels with normals n and centroids x is concave
-/// if (na - nb) . (xa - xb) < 0, by the angle of its normals; `dead_zone` (degrees) is taken off that. Where a
-/// normal is not defined the angle counts as 0. If stopped, the borders are useless.
-void measure_borders(const RegionGraph& graph, const VoxelGrid& grid, const std::vector<Vec3>& normals,
-                     const Supervoxels& supervoxels, double dead_zone, const StopToken& stop,
-                     std::vector<Border>& borders);
+/// Measures the borders of all edges of the graph, in their order. A contact of voxels with normals n and centroids x
+/// is concave if (na - nb) . (xa - xb) < 0, by the angle between the normals less `dead_zone` (degrees). Where a normal
+/// is not defined the angle counts as 0. CANCELLED, DEADLINE_EXCEEDED.
+absl::Status measure_borders(const FrameContext& frame, const RegionGraph& graph, const VoxelGrid& grid,
+                             const std::vector<Vec3>& normals, double dead_zone, std::vector<Border>& borders);
 
 }  // namespace segserve

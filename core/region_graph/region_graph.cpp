@@ -1,28 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/region_graph/region_graph.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <span>
-#include <utility>
 
 #include "core/base/stop_check.hpp"
 
 namespace segserve {
 namespace {
 
-/// 64-bit words with a bit for each supervoxel.
-std::size_t words_of(const Supervoxels& supervoxels) { return (supervoxels.count + std::size_t{63}) / 64; }
-
-/// The sums over the voxels of every supervoxel. Voxel by voxel, as they lie in memory: each region still adds up its
-/// own in ascending order.
-void sum_up(const VoxelGrid& grid, const std::vector<Vec3>& normals, const Supervoxels& supervoxels, const View& view,
-            double voxel_resolution, StopCheck& check, std::vector<Region>& regions) {
+/// Goes through the voxels in memory order. A region still adds up its own voxels in ascending order.
+void sum_up_regions(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                    const Supervoxels& supervoxels, StopCheck& check, std::vector<Region>& regions) {
   regions.assign(supervoxels.count, Region{});
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    Region& region = regions[supervoxels.of_voxel[v]];
+    Region& region = regions[supervoxels.supervoxel_of_voxel[v]];
     region.voxels += 1;
     region.points += grid.points[v];
-    const double edge = voxel_edge(voxel_resolution, view, grid.centroid[v]);
+    const double edge = voxel_edge(frame.settings.voxel_resolution, frame.view(), grid.centroid[v]);
     region.area += edge * edge;
     region.centroid += grid.centroid[v];
     region.normal_sum += normals[v];
@@ -31,97 +26,87 @@ void sum_up(const VoxelGrid& grid, const std::vector<Vec3>& normals, const Super
   check.for_each(0, regions.size(),
                  [&](std::size_t r) { regions[r].centroid = (1 / regions[r].voxels) * regions[r].centroid; });
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    Region& region = regions[supervoxels.of_voxel[v]];
+    Region& region = regions[supervoxels.supervoxel_of_voxel[v]];
     region.scatter += outer(grid.centroid[v] - region.centroid);
   });
 }
 
-/// Writes the contacts of voxel v with those of its neighbours that are larger and of other supervoxels; returns where
-/// they end. No branches, which would be mispredicted for a third of the neighbours; a function of its own, as its
-/// variables then stay in registers.
-__attribute__((noinline)) Contact* find_contacts_of(std::uint32_t v, std::span<const std::uint32_t> neighbors,
-                                                    const std::uint32_t* of_voxel, Contact* out) {
-  const std::uint32_t s = of_voxel[v];
-  for (const std::uint32_t u : neighbors) {
-    *out = {v, u};
-    out += static_cast<std::ptrdiff_t>(of_voxel[u] != s);
+/// Writes the contacts of voxel v with larger voxels to `contacts`, which must have room for all neighbors and one
+/// more, and returns where they end. It has no branches, which would often be mispredicted, and is a function of its
+/// own so that its variables stay in registers.
+__attribute__((noinline)) Contact* find_contacts_of(std::uint32_t v, std::span<const std::uint32_t> larger_neighbors,
+                                                    const std::uint32_t* supervoxel_of_voxel, Contact* contacts) {
+  const std::uint32_t supervoxel = supervoxel_of_voxel[v];
+  for (const std::uint32_t u : larger_neighbors) {
+    *contacts = {v, u};
+    contacts += static_cast<std::ptrdiff_t>(supervoxel_of_voxel[u] != supervoxel);
   }
-  return out;
+  return contacts;
 }
 
-/// Room for some contacts more, after those of the voxels before v of V: for as many as there will be, to go by those.
-/// Growing by halves would waste 4 bytes a point.
-void make_room(std::vector<Contact>& contacts, std::size_t needed, std::size_t v, std::size_t voxels) {
-  if (needed <= contacts.size()) return;
-  const double share = static_cast<double>(v + 1) / static_cast<double>(voxels);
-  contacts.resize(
-      std::max({needed + needed / 16, static_cast<std::size_t>(1.05 * static_cast<double>(needed) / share)}));
+/// Gives the list room for `size` contacts and, where it must grow, for as many as there will be if `share` of the
+/// voxels are done. A vector that doubles would waste more memory.
+void ensure_size(std::size_t size, double share, std::vector<Contact>& contacts) {
+  if (size <= contacts.size()) return;
+  const auto predicted = static_cast<std::size_t>(1.05 * static_cast<double>(size) / share);
+  contacts.resize(std::max(size + size / 16, predicted));
 }
 
-/// One pass for edges and borders: 0.4 ms off a frame by the border method.
-std::span<const Contact> find_contacts(const VoxelAdjacency& adjacency, const Supervoxels& supervoxels,
-                                       StopCheck& check, std::vector<Contact>& buffer) {
-  const std::size_t voxels = supervoxels.of_voxel.size();
+void find_contacts(const VoxelAdjacency& adjacency, const Supervoxels& supervoxels, StopCheck& check,
+                   std::vector<Contact>& contacts) {
+  const std::size_t voxels = supervoxels.supervoxel_of_voxel.size();
   std::size_t found = 0;
-  if (buffer.size() < voxels) buffer.resize(voxels);
+  if (contacts.size() < voxels) contacts.resize(voxels);
   check.for_each(0, voxels, [&](std::size_t i) {
     const auto v = static_cast<std::uint32_t>(i);
     const auto neighbors = adjacency.after(v);
-    make_room(buffer, found + neighbors.size() + 1, i, voxels);
-    const Contact* const end = find_contacts_of(v, neighbors, supervoxels.of_voxel.data(), buffer.data() + found);
-    found = static_cast<std::size_t>(end - buffer.data());
+    ensure_size(found + neighbors.size() + 1, static_cast<double>(i + 1) / static_cast<double>(voxels), contacts);
+    Contact* const first = contacts.data();
+    found = static_cast<std::size_t>(
+        find_contacts_of(v, neighbors, supervoxels.supervoxel_of_voxel.data(), first + found) - first);
     return 1 + neighbors.size();
   });
-  return std::span(buffer).first(found);
+  contacts.resize(found);
 }
 
-RegionEdge edge_of(const Contact& contact, const std::vector<std::uint32_t>& of_voxel) {
-  const auto [a, b] = std::minmax({of_voxel[contact.v], of_voxel[contact.u]});
-  return {a, b};
-}
-
-/// Edges of a few regions: a bit for each pair of them, set by every contact, then read in order.
-void find_few_edges(const RegionGraph& graph, const Supervoxels& supervoxels, StopCheck& check, GraphScratch& scratch,
-                    std::vector<RegionEdge>& edges) {
-  const std::size_t words = words_of(supervoxels);
-  std::vector<std::uint64_t>& met = scratch.met;
-  met.assign(words * supervoxels.count, 0);
-  check.for_each(0, graph.contacts.size(), [&](std::size_t c) {
-    const RegionEdge edge = edge_of(graph.contacts[c], supervoxels.of_voxel);
-    met[words * edge.a + edge.b / 64] |= std::uint64_t{1} << (edge.b % 64);
-  });
-  check.for_each(0, met.size(), [&](std::size_t word) {
-    for (std::uint64_t bits = met[word]; bits != 0; bits &= bits - 1) {
-      const auto first = static_cast<std::uint32_t>(word % words * 64);
-      edges.push_back(
-          {static_cast<std::uint32_t>(word / words), first + static_cast<std::uint32_t>(std::countr_zero(bits))});
-    }
-  });
-}
-
-/// Edges of many regions: the contacts sorted by their smaller region, by counting; then each meets its neighbours.
-void find_many_edges(const RegionGraph& graph, const Supervoxels& supervoxels, StopCheck& check, GraphScratch& scratch,
-                     std::vector<RegionEdge>& edges) {
-  const std::span<const Contact> contacts = graph.contacts;
-  std::vector<std::uint32_t>&begin = scratch.begin, &next = scratch.next, &larger = scratch.larger;
-  begin.assign(supervoxels.count + std::size_t{1}, 0);
-  check.for_each(0, contacts.size(), [&](std::size_t c) { ++begin[edge_of(contacts[c], supervoxels.of_voxel).a + 1]; });
-  check.for_each(0, supervoxels.count, [&](std::size_t s) { begin[s + 1] += begin[s]; });
-  next.assign(begin.begin(), begin.end() - 1);
-  larger.resize(contacts.size());
+/// Sorts the contacts by the smaller of their supervoxels, by counting.
+void sort_contacts(const std::vector<Contact>& contacts, const Supervoxels& supervoxels, StopCheck& check,
+                   RegionGraphConstruction::Scratch& s) {
+  const std::uint32_t* const supervoxel = supervoxels.supervoxel_of_voxel.data();
+  s.begin.assign(supervoxels.count + std::size_t{1}, 0);
+  check.for_each(0, contacts.size(),
+                 [&](std::size_t c) { ++s.begin[std::min(supervoxel[contacts[c].v], supervoxel[contacts[c].u]) + 1]; });
+  check.for_each(0, supervoxels.count, [&](std::size_t r) { s.begin[r + 1] += s.begin[r]; });
+  s.next.assign(s.begin.begin(), s.begin.end() - 1);
+  s.sorted.resize(contacts.size());
   check.for_each(0, contacts.size(), [&](std::size_t c) {
-    const RegionEdge edge = edge_of(contacts[c], supervoxels.of_voxel);
-    larger[next[edge.a]++] = edge.b;
+    const std::uint32_t p = supervoxel[contacts[c].v], q = supervoxel[contacts[c].u];
+    s.sorted[s.next[std::min(p, q)]++] = {static_cast<std::uint32_t>(c), std::max(p, q)};
   });
-  std::vector<std::uint32_t>& met = scratch.last_met;  // the last supervoxel + 1 that met this one
-  met.assign(supervoxels.count, 0);
+}
+
+/// Finds the edges of each supervoxel to larger ones among its contacts.
+void find_edges(const Supervoxels& supervoxels, StopCheck& check, RegionGraphConstruction::Scratch& s,
+                RegionGraph& graph) {
+  std::vector<RegionEdge>& edges = graph.edges;
+  edges.clear();
+  graph.edge_of_contact.resize(graph.contacts.size());
+  s.edge_to.assign(supervoxels.count, 0);
   for (std::uint32_t a = 0; a < supervoxels.count && !check.after(1); ++a) {
     const std::size_t first = edges.size();
-    check.for_each(begin[a], begin[a + 1], [&](std::size_t i) {
-      if (std::exchange(met[larger[i]], a + 1) != a + 1) edges.push_back({a, larger[i]});
+    check.for_each(s.begin[a], s.begin[a + 1], [&](std::size_t i) {
+      const std::uint32_t b = s.sorted[i].larger_supervoxel;
+      if (s.edge_to[b] > first) return;
+      edges.push_back({a, b});
+      s.edge_to[b] = static_cast<std::uint32_t>(edges.size());
     });
     std::sort(edges.begin() + static_cast<std::ptrdiff_t>(first), edges.end(),
               [](const RegionEdge& p, const RegionEdge& q) { return p.b < q.b; });
+    for (std::size_t e = first; e < edges.size(); ++e) s.edge_to[edges[e].b] = static_cast<std::uint32_t>(e + 1);
+    check.for_each(s.begin[a], s.begin[a + 1], [&](std::size_t i) {
+      const auto [contact, b] = s.sorted[i];
+      graph.edge_of_contact[contact] = s.edge_to[b] - 1;
+    });
   }
 }
 
@@ -140,16 +125,15 @@ void Region::merge(const Region& other) {
   area += other.area;
 }
 
-void build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                        const Supervoxels& supervoxels, const View& view, double voxel_resolution,
-                        const StopToken& stop, GraphScratch& scratch, RegionGraph& graph) {
-  // At most 16 bytes of bits for each voxel.
-  const bool few = words_of(supervoxels) * supervoxels.count <= 2 * grid.size();
-  StopCheck check(stop);
-  sum_up(grid, normals, supervoxels, view, voxel_resolution, check, graph.regions);
-  graph.contacts = find_contacts(adjacency, supervoxels, check, scratch.contacts);
-  graph.edges.clear();
-  (few ? find_few_edges : find_many_edges)(graph, supervoxels, check, scratch, graph.edges);
+absl::Status RegionGraphConstruction::run(const FrameContext& frame, const VoxelGrid& grid,
+                                          const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                                          const Supervoxels& supervoxels, RegionGraph& graph) {
+  StopCheck check(frame.stop);
+  sum_up_regions(frame, grid, normals, supervoxels, check, graph.regions);
+  find_contacts(adjacency, supervoxels, check, graph.contacts);
+  sort_contacts(graph.contacts, supervoxels, check, scratch_);
+  find_edges(supervoxels, check, scratch_, graph);
+  return check.status();
 }
 
 }  // namespace segserve

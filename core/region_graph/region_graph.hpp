@@ -1,56 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "core/base/frame_context.hpp"
 #include "core/math/symmetric_matrix3.hpp"
 #include "core/math/vec3.hpp"
 #include "core/region_graph/region_edge.hpp"
-#include "core/supervoxels/growth.hpp"
+#include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
 #include "core/voxels/voxel_grid.hpp"
 
 namespace segserve {
 
-/// What is kept of a region, so that merging two takes O(1): sums over its voxels (geometry) and its
-/// input points (colour).
+/// Sums over the voxels of a region (geometry) and over its input points (color), so that two regions merge in O(1).
 struct Region {
   double voxels = 0;
   std::uint32_t points = 0;
-  double area = 0;     ///< sum of the voxels' faces, m^2
-  Vec3 centroid;       ///< mean of the voxels' centroids, metres
-  Symmetric3 scatter;  ///< of the voxels' centroids about their mean, m^2
-  Vec3 normal_sum;     ///< of the voxels' unit normals
+  double area = 0;     ///< sum of the faces of the voxels, m^2
+  Vec3 centroid;       ///< mean of the centroids of the voxels, meters
+  Symmetric3 scatter;  ///< of the centroids of the voxels about their mean, m^2
+  Vec3 normal_sum;     ///< of the unit normals of the voxels
   Vec3 color_sum;      ///< of (R, G, B), 0..255, over the points
 
-  /// Unites two disjoint regions; the scatter by Chan, Golub and LeVeque (1979).
+  /// Merges a disjoint region into this one; the scatter by Chan, Golub and LeVeque (1979).
   void merge(const Region& other);
 };
 
-/// Neighbouring voxels of two supervoxels; v < u.
+/// Two neighboring voxels of different supervoxels; v < u.
 struct Contact {
   std::uint32_t v = 0, u = 0;
 };
 
-/// G^m of the paper: the supervoxels and which of them are adjacent, edges ascending by (a, b).
+/// The region adjacency graph G^m of the paper: the supervoxels, and which of them are adjacent.
 struct RegionGraph {
-  std::vector<Region> regions;  ///< m
-  std::vector<RegionEdge> edges;
-  std::span<const Contact> contacts;  ///< all that edges stand for, ascending by (v, u); they are in the GraphScratch
+  std::vector<Region> regions;                 ///< m
+  std::vector<RegionEdge> edges;               ///< E: ascending by (a, b)
+  std::vector<Contact> contacts;               ///< C: ascending by (v, u)
+  std::vector<std::uint32_t> edge_of_contact;  ///< C: below E
 };
 
-/// Buffers of `build_region_graph` that are worth keeping between calls.
-struct GraphScratch {
-  std::vector<Contact> contacts;
-  std::vector<std::uint64_t> met;
-  std::vector<std::uint32_t> begin, next, larger, last_met;
-};
+/// Builds the region adjacency graph. Supervoxels are adjacent if a voxel of one is a neighbor of a voxel of the other.
+class RegionGraphConstruction {
+ public:
+  /// `normals` has a unit vector, or 0, for each voxel. O(V + N + E log E) for V voxels with N neighbors.
+  /// CANCELLED, DEADLINE_EXCEEDED.
+  absl::Status run(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                   const std::vector<Vec3>& normals, const Supervoxels& supervoxels, RegionGraph& graph);
 
-/// Supervoxels are adjacent if a voxel of one is a neighbour of a voxel of the other.
-/// If stopped, the graph is useless.
-void build_region_graph(const VoxelGrid& grid, const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
-                        const Supervoxels& supervoxels, const View& view, double voxel_resolution,
-                        const StopToken& stop, GraphScratch& scratch, RegionGraph& graph);
+  /// Buffers of the counting sort of contacts by the smaller of their supervoxels.
+  struct Scratch {
+    struct SortedContact {
+      std::uint32_t contact, larger_supervoxel;
+    };
+    std::vector<std::uint32_t> begin, next;  ///< of each supervoxel's contacts in `sorted`
+    std::vector<SortedContact> sorted;       ///< C
+    std::vector<std::uint32_t> edge_to;      ///< m: 1 + the last edge to each supervoxel, or 0
+  };
+
+ private:
+  Scratch scratch_;
+};
 
 }  // namespace segserve

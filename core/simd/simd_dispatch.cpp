@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/simd/simd_dispatch.hpp"
 
 #include <atomic>
@@ -7,31 +8,31 @@
 namespace segserve {
 namespace {
 
-Cpu find_best_cpu() {
+SimdTarget find_best_target() {
   const char* const limit = std::getenv("SEGSERVE_CPU");
-  if (limit != nullptr && std::string_view(limit) == "any") return Cpu::kAny;
+  if (limit != nullptr && std::string_view(limit) == "any") return SimdTarget::kBaseline;
 #if defined(SEGSERVE_AVX2)
   if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
       __builtin_cpu_supports("popcnt")) {
-    return Cpu::kAvx2;
+    return SimdTarget::kAvx2;
   }
 #endif
-  return Cpu::kAny;
+  return SimdTarget::kBaseline;
 }
 
-std::atomic<Cpu>& in_use() {
-  static std::atomic<Cpu> cpu = best_cpu();
-  return cpu;
+std::atomic<SimdTarget>& current_target() {
+  static std::atomic<SimdTarget> target = best_simd_target();
+  return target;
 }
 
 }  // namespace
 
-Cpu best_cpu() {
-  static const Cpu kBest = find_best_cpu();
+SimdTarget best_simd_target() {
+  static const SimdTarget kBest = find_best_target();
   return kBest;
 }
 
-void use_cpu(Cpu cpu) { in_use() = cpu; }
-Cpu cpu_in_use() { return in_use(); }
+SimdTarget simd_target() { return current_target(); }
+void set_simd_target(SimdTarget target) { current_target() = target; }
 
 }  // namespace segserve

@@ -1,20 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
 
 namespace segserve {
 
-/// Which instructions the inner loops may use. The results are the same bytes with all of them.
-enum class Cpu : std::uint8_t {
-  kAny,   ///< what every CPU of the architecture has: SSE2, NEON
-  kAvx2,  ///< x86-64 with AVX2, and BMI and POPCNT, which all of those have
+/// An instruction set that the kernels (core/*/simd) are compiled for. The results are the same bytes with all of them.
+enum class SimdTarget : std::uint8_t {
+  kBaseline,  ///< what every CPU of the architecture has: SSE2 or NEON
+  kAvx2,      ///< x86-64 with AVX2, BMI and POPCNT
 };
 
-/// The best that this machine has, found out once; kAny if SEGSERVE_CPU=any is in the environment.
-Cpu best_cpu();
+/// The best target of this machine, which is found out once; kBaseline if SEGSERVE_CPU=any is in the environment.
+SimdTarget best_simd_target();
 
-/// What the inner loops use from now on. They start with `best_cpu`; tests compare the others with it.
-void use_cpu(Cpu cpu);
-Cpu cpu_in_use();
+/// The target whose kernels are used. It is `best_simd_target` until a test sets another one.
+SimdTarget simd_target();
+void set_simd_target(SimdTarget target);
 
 }  // namespace segserve

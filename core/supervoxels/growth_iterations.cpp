@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/supervoxels/growth_iterations.hpp"
 
 #include <algorithm>
@@ -6,179 +7,153 @@
 namespace segserve::growth {
 namespace {
 
-constexpr std::size_t kTogether = 256;                             // candidates, or claims
-constexpr std::size_t kCached = 25'000;                            // voxels; two megabytes
-constexpr float kProvisional = std::numeric_limits<float>::max();  // any measured distance is nearer
+constexpr std::size_t kBlock = 256;  // candidates, or assigned voxels, between two calls of StopCheck
 
-/// A kernel in its place in the first round: whatever no one has reached yet is near enough.
-std::size_t find_unreached(const Turn& turn, const std::uint32_t* candidates, std::size_t count, Claim* claims,
-                           std::uint32_t* kept) {
-  std::size_t claimed = 0, left = 0;
+/// Larger than any distance that is measured, but less than kUnreached.
+constexpr float kNotMeasured = std::numeric_limits<float>::max();
+
+/// Takes the place of the kernel assign_candidates in the first iteration.
+std::size_t assign_unreached(const Expansion& expansion, const std::uint32_t* candidates, std::size_t count,
+                             AssignedVoxel* assigned, std::uint32_t* kept) {
+  std::size_t assigned_count = 0, kept_count = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t u = candidates[i];
-    const bool unreached = turn.voxels[u].distance == kUnreached;
-    turn.voxels[u].seen = turn.number;
-    claims[claimed] = {u, kProvisional};
-    kept[left] = u;
-    claimed += static_cast<std::size_t>(unreached);
-    left += static_cast<std::size_t>(!unreached);
+    const bool unreached = expansion.voxels[u].distance == kUnreached;
+    expansion.voxels[u].visited_in = expansion.number;
+    assigned[assigned_count] = {u, kNotMeasured};
+    kept[kept_count] = u;
+    assigned_count += static_cast<std::size_t>(unreached);
+    kept_count += static_cast<std::size_t>(!unreached);
   }
-  return claimed;
+  return assigned_count;
 }
 
 template <typename Value>
-void make_room(std::vector<Value>& values, std::size_t count) {
-  if (values.size() < count) values.resize(2 * count);
+void ensure_size(std::vector<Value>& buffer, std::size_t size) {
+  if (buffer.size() < size) buffer.resize(2 * size);
 }
 
 }  // namespace
 
-void Rounds::plant(const std::vector<std::uint32_t>& seeds) {
-  for (const std::uint32_t seed : seeds) {
-    if (check_.after(1 + adjacency_.of(seed).size())) return;
-    if (state_.voxels[seed].owner != kNobody) continue;
-    const std::uint32_t c = state_.new_cluster();
-    const auto neighbors = adjacency_.of(seed);
+void GrowthIterations::seed(const std::vector<std::uint32_t>& seeds) {
+  for (const std::uint32_t voxel : seeds) {
+    const auto neighbors = adjacency_.of(voxel);
+    if (check_.after(1 + neighbors.size())) return;
+    if (state_.voxels[voxel].cluster != kNoCluster) continue;
+    const std::uint32_t c = state_.add_cluster();
     state_.clusters[c].candidates.assign(neighbors.begin(), neighbors.end());
-    make_room(state_.claims, 1);
-    state_.claims[0] = {seed, kUnreached};
-    take(c, 1);
-    state_.clusters[c].centre = state_.clusters[c].sum.mean(1);
+    ensure_size(state_.assigned, 1);
+    state_.assigned[0] = {voxel, kUnreached};
+    assign(c, 1);
+    state_.clusters[c].center = state_.clusters[c].sum.mean(1);
   }
 }
 
-void Rounds::first() {
+void GrowthIterations::run_first() {
   for (std::uint32_t c = 0; c < state_.cluster_count && !check_.after(1); ++c) {
-    if (state_.clusters[c].count == 0) continue;
-    expand(c, find_unreached);
+    if (state_.clusters[c].count > 0) expand(c, assign_unreached);
   }
-  move_centres();
+  update_centers();
 }
 
-bool Rounds::next() {
+bool GrowthIterations::run_next() {
   for (std::uint32_t c = 0; c < state_.cluster_count && !check_.after(1); ++c) {
-    if (!state_.clusters[c].takes_turn()) continue;
-    prefetch_turns_after(c);
-    expand(c, [this](const Turn& turn, const std::uint32_t* candidates, std::size_t count, Claim* claims,
-                     std::uint32_t* kept) {
-      const Feature& centre = state_.clusters[turn.cluster].centre;
-      return kernels_.find_claims(turn, distance_, centre, candidates, count, claims, kept);
+    if (!state_.clusters[c].can_expand()) continue;
+    expand(c, [this](const Expansion& expansion, const std::uint32_t* candidates, std::size_t count,
+                     AssignedVoxel* assigned, std::uint32_t* kept) {
+      const Feature& center = state_.clusters[expansion.cluster].center;
+      return kernels_.assign_candidates(expansion, weights_, center, candidates, count, assigned, kept);
     });
   }
-  return move_centres();
+  return update_centers();
 }
 
-/// The next cluster that takes a turn, as things stand.
-std::uint32_t Rounds::turn_after(std::uint32_t c) const {
-  while (++c < state_.cluster_count && !state_.clusters[c].takes_turn()) {
-  }
-  return c;
+/// Expands a cluster by one layer of voxels at most. Its center stays where it is.
+template <typename AssignCandidates>
+void GrowthIterations::expand(std::uint32_t c, AssignCandidates&& assign_candidates) {
+  const Expansion expansion{state_.voxels.data(), adjacency_.neighbor.data(), adjacency_.neighbor.size(), c,
+                            ++state_.expansion_count};
+  std::size_t count = split_candidates(expansion, assign_candidates);
+  if (state_.clusters[c].has_lost_voxels) count = drop_separated(expansion, count);
+  assign(c, count);
+  add_candidates(expansion, count);
 }
 
-/// Where the voxels are more than the cache holds: brings in what candidates of the next turn name, and the list of the
-/// turn after that. A twelfth off growth of a full frame, a quarter of ten million points.
-void Rounds::prefetch_turns_after(std::uint32_t c) const {
-  if (state_.voxels.size() < kCached) return;
-  constexpr std::size_t kLine = 64 / sizeof(std::uint32_t);
-  const std::uint32_t next = turn_after(c);
-  if (next == state_.cluster_count) return;
-  for (const std::uint32_t v : state_.clusters[next].candidates) __builtin_prefetch(&state_.voxels[v]);
-  const std::uint32_t second = turn_after(next);
-  if (second == state_.cluster_count) return;
-  const std::vector<std::uint32_t>& list = state_.clusters[second].candidates;
-  for (std::size_t i = 0; i < list.size(); i += kLine) __builtin_prefetch(list.data() + i);
-}
-
-/// There as well: the neighbours of the claims, which what follows goes through. A twentieth of ten million points.
-void Rounds::prefetch_rows(const Turn& turn, std::size_t claims) const {
-  if (state_.voxels.size() < kCached) return;
-  for (std::size_t i = 0; i < claims; ++i) {
-    __builtin_prefetch(turn.neighbor + state_.voxels[state_.claims[i].voxel].first);
-  }
-}
-
-/// One turn of a cluster: its centre stays where it is, and what it takes now expands next time.
-template <typename FindClaims>
-void Rounds::expand(std::uint32_t c, FindClaims&& find_claims) {
-  const Turn turn{state_.voxels.data(), adjacency_.neighbor.data(), adjacency_.neighbor.size(), c, ++state_.turn};
-  std::size_t claims = split_candidates(turn, find_claims);
-  prefetch_rows(turn, claims);
-  if (state_.clusters[c].lost) claims = drop_claims_that_do_not_touch(turn, claims);
-  take(c, claims);
-  add_candidates(turn, claims);
-}
-
-/// The candidates that are nearer to the cluster than to their owners become claims; the others stay candidates.
-/// Returns the number of claims.
-template <typename FindClaims>
-std::size_t Rounds::split_candidates(const Turn& turn, FindClaims&& find_claims) {
-  std::vector<std::uint32_t>& candidates = state_.clusters[turn.cluster].candidates;
-  make_room(state_.claims, candidates.size() + 1);
-  std::size_t claims = 0, kept = 0;
-  for (std::size_t begin = 0; begin < candidates.size(); begin += kTogether) {
-    const std::size_t count = std::min(kTogether, candidates.size() - begin);
-    const std::size_t found =
-        find_claims(turn, candidates.data() + begin, count, state_.claims.data() + claims, candidates.data() + kept);
-    claims += found;
+/// Moves candidates that will be assigned to the cluster to `state_.assigned`, and returns their number.
+template <typename AssignCandidates>
+std::size_t GrowthIterations::split_candidates(const Expansion& expansion, AssignCandidates&& assign_candidates) {
+  std::vector<std::uint32_t>& candidates = state_.clusters[expansion.cluster].candidates;
+  ensure_size(state_.assigned, candidates.size() + 1);
+  std::size_t assigned = 0, kept = 0;
+  for (std::size_t begin = 0; begin < candidates.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, candidates.size() - begin);
+    const std::size_t found = assign_candidates(expansion, candidates.data() + begin, count,
+                                                state_.assigned.data() + assigned, candidates.data() + kept);
+    assigned += found;
     kept += count - found;
     if (check_.after(count)) return 0;
   }
   candidates.resize(kept);
-  return claims;
+  return assigned;
 }
 
-/// Where the cluster has lost voxels, what touched them may not touch it any more, and is no candidate then.
-std::size_t Rounds::drop_claims_that_do_not_touch(const Turn& turn, std::size_t claims) {
+/// Drops voxels that do not touch the cluster any more, because it lost their neighbors, from the first `count` of
+/// `state_.assigned`. Returns how many are left.
+std::size_t GrowthIterations::drop_separated(const Expansion& expansion, std::size_t count) {
   std::size_t kept = 0;
-  for (std::size_t begin = 0; begin < claims; begin += kTogether) {
-    const std::size_t count = std::min(kTogether, claims - begin);
-    const Found found = kernels_.keep_touching(turn, state_.claims.data() + begin, count, state_.claims.data() + kept);
-    kept += found.count;
-    if (check_.after(count + found.visits)) return 0;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t block = std::min(kBlock, count - begin);
+    const QueryCounts counts =
+        kernels_.keep_adjacent(expansion, state_.assigned.data() + begin, block, state_.assigned.data() + kept);
+    kept += counts.found;
+    if (check_.after(block + counts.visited)) return 0;
   }
   return kept;
 }
 
-/// Cluster c gets the voxels that it claims. Its sums stay in registers meanwhile.
-void Rounds::take(std::uint32_t c, std::size_t claims) {
-  if (claims == 0) return;
+/// Assigns the first `count` voxels of `state_.assigned` to cluster c.
+void GrowthIterations::assign(std::uint32_t c, std::size_t count) {
+  if (count == 0) return;
   FeatureSum sum = state_.clusters[c].sum;
-  for (std::size_t i = 0; i < claims; ++i) {
-    const Claim claim = state_.claims[i];
-    Voxel& voxel = state_.voxels[claim.voxel];
-    if (voxel.owner != kNobody) state_.clusters[voxel.owner].lose(claim.voxel, voxel.feature);
+  for (std::size_t i = 0; i < count; ++i) {
+    const AssignedVoxel assigned = state_.assigned[i];
+    Voxel& voxel = state_.voxels[assigned.voxel];
+    if (voxel.cluster != kNoCluster) state_.clusters[voxel.cluster].lose(assigned.voxel, voxel.feature);
     sum.add(voxel.feature);
-    voxel.owner = c;
-    voxel.distance = claim.distance;
+    voxel.cluster = c;
+    voxel.distance = assigned.distance;
   }
-  Cluster& winner = state_.clusters[c];
-  winner.sum = sum;
-  winner.count += claims;
-  winner.changed_next = true;
+  Cluster& cluster = state_.clusters[c];
+  cluster.sum = sum;
+  cluster.count += count;
+  cluster.active_next = true;
 }
 
-/// What the claims touch beyond the cluster becomes its candidates, too.
-void Rounds::add_candidates(const Turn& turn, std::size_t claims) {
-  std::size_t fresh = 0;
-  for (std::size_t begin = 0; begin < claims; begin += kTogether) {
-    const std::size_t count = std::min(kTogether, claims - begin);
-    make_room(state_.fresh, fresh + count * state_.most_neighbors + 1);
-    const Found found = kernels_.find_fresh(turn, state_.claims.data() + begin, count, state_.fresh.data() + fresh);
-    fresh += found.count;
-    if (check_.after(count + found.visits)) return;
+/// Makes the neighbors of the first `count` voxels of `state_.assigned` candidates of the cluster, too.
+void GrowthIterations::add_candidates(const Expansion& expansion, std::size_t count) {
+  std::size_t found = 0;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    const std::size_t block = std::min(kBlock, count - begin);
+    ensure_size(state_.new_candidates, found + block * state_.most_neighbors + 1);
+    const QueryCounts counts = kernels_.find_new_candidates(expansion, state_.assigned.data() + begin, block,
+                                                            state_.new_candidates.data() + found);
+    found += counts.found;
+    if (check_.after(block + counts.visited)) return;
   }
-  std::vector<std::uint32_t>& candidates = state_.clusters[turn.cluster].candidates;
-  candidates.insert(candidates.end(), state_.fresh.begin(), state_.fresh.begin() + static_cast<std::ptrdiff_t>(fresh));
+  std::vector<std::uint32_t>& candidates = state_.clusters[expansion.cluster].candidates;
+  const auto first = state_.new_candidates.begin();
+  candidates.insert(candidates.end(), first, first + static_cast<std::ptrdiff_t>(found));
 }
 
-bool Rounds::move_centres() {
+/// Ends an iteration. Returns whether it changed anything.
+bool GrowthIterations::update_centers() {
   bool any = false;
   check_.for_each(0, state_.cluster_count, [&](std::size_t c) {
     Cluster& cluster = state_.clusters[c];
-    any |= cluster.changed_next;
-    if (cluster.changed_next && cluster.count > 0) cluster.centre = cluster.sum.mean(cluster.count);
-    cluster.changed = cluster.changed_next;
-    cluster.changed_next = false;
+    any |= cluster.active_next;
+    if (cluster.active_next && cluster.count > 0) cluster.center = cluster.sum.mean(cluster.count);
+    cluster.active = cluster.active_next;
+    cluster.active_next = false;
   });
   return any && !check_.stopped();
 }

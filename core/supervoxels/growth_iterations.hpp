@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -6,44 +7,45 @@
 #include "core/base/stop_check.hpp"
 #include "core/supervoxels/growth_state.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
-#include "segserve/stop_token.hpp"
 
 namespace segserve::growth {
 
-/// Clusters that take turns to grow from their seeds.
-class Rounds {
+/// Lets clusters grow from their seeds. In an iteration each cluster, in the order of the seeds, takes the neighboring
+/// voxels that are nearer to its center than to that of their own cluster; then the centers move.
+///
+/// All methods leave off when `check` stops them.
+class GrowthIterations {
  public:
-  Rounds(const VoxelAdjacency& adjacency, const Distance& distance, StopCheck& check, State& state)
-      : adjacency_(adjacency), distance_(distance), check_(check), state_(state) {}
+  GrowthIterations(const VoxelAdjacency& adjacency, const DistanceWeights& weights, StopCheck& check,
+                   GrowthState& state)
+      : adjacency_(adjacency), weights_(weights), check_(check), state_(state) {}
 
-  /// One cluster for each seed that has no owner.
-  void plant(const std::vector<std::uint32_t>& seeds);
+  /// Makes a cluster of each seed that has none yet.
+  void seed(const std::vector<std::uint32_t>& seeds);
 
-  /// PCL's first round measures from the origin, so that what counts is who comes first: a seed next
-  /// to an earlier one is taken by it and dies. That thins the seeds out well, so we do it on purpose.
-  void first();
+  /// The first iteration, in which clusters take all neighbors that no earlier cluster took. In PCL the distances of
+  /// the first iteration do not count either, because all centers are still at the origin. A seed next to an earlier
+  /// one goes to the cluster of that, and its own has no voxels left. This thins out the seeds.
+  void run_first();
 
-  /// Returns whether anything changed.
-  bool next();
+  /// Another iteration. Returns whether it changed anything.
+  bool run_next();
 
  private:
-  std::uint32_t turn_after(std::uint32_t c) const;
-  void prefetch_turns_after(std::uint32_t c) const;
-  void prefetch_rows(const Turn& turn, std::size_t claims) const;
-  template <typename FindClaims>
-  void expand(std::uint32_t c, FindClaims&& find_claims);
-  template <typename FindClaims>
-  std::size_t split_candidates(const Turn& turn, FindClaims&& find_claims);
-  std::size_t drop_claims_that_do_not_touch(const Turn& turn, std::size_t claims);
-  void take(std::uint32_t c, std::size_t claims);
-  void add_candidates(const Turn& turn, std::size_t claims);
-  bool move_centres();
+  template <typename AssignCandidates>
+  void expand(std::uint32_t c, AssignCandidates&& assign_candidates);
+  template <typename AssignCandidates>
+  std::size_t split_candidates(const Expansion& expansion, AssignCandidates&& assign_candidates);
+  std::size_t drop_separated(const Expansion& expansion, std::size_t count);
+  void assign(std::uint32_t c, std::size_t count);
+  void add_candidates(const Expansion& expansion, std::size_t count);
+  bool update_centers();
 
   const VoxelAdjacency& adjacency_;
-  Distance distance_;
+  DistanceWeights weights_;
   StopCheck& check_;
-  State& state_;
-  const Kernels& kernels_ = kernels();
+  GrowthState& state_;
+  const GrowthKernels& kernels_ = growth_kernels();
 };
 
 }  // namespace segserve::growth

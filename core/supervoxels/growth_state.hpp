@@ -1,3 +1,6 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The voxels and clusters of supervoxel growth, for this folder alone.
 #pragma once
 
 #include <cmath>
@@ -9,106 +12,108 @@
 #include "core/math/vec3.hpp"
 #include "core/supervoxels/simd/growth_kernels.hpp"
 
-// What growth keeps of voxels and clusters: of this folder alone.
-
 namespace segserve::growth {
 
-inline constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
-inline constexpr float kUnreached = std::numeric_limits<float>::infinity();
+inline constexpr std::uint32_t kNoCluster = std::numeric_limits<std::uint32_t>::max();
+inline constexpr float kUnreached =
+    std::numeric_limits<float>::infinity();  ///< the distance of a voxel without cluster
 
-/// From a position, colour and normal that are scaled by the weights.
-inline Feature feature(const Vec3& position, const Vec3& color, const Vec3& normal) {
+/// `position` and `color` are scaled by their weights; `normal` is a unit vector or 0.
+inline Feature make_feature(const Vec3& position, const Vec3& color, const Vec3& normal) {
   const auto f = [](double v) { return static_cast<float>(v); };
-  return {f(position.x), f(position.y), f(position.z), f(normal.x), f(normal.y),
-          f(normal.z),   f(color.x),    f(color.y),    f(color.z)};
+  return {{f(position.x), f(position.y), f(position.z), f(normal.x), f(normal.y), f(normal.z), f(color.x), f(color.y),
+           f(color.z)}};
 }
 
-/// The distance between two features, as the kernel find_claims measures it.
-inline float distance_between(const Distance& distance, const Feature& a, const Feature& b) {
-  const float px = a.px - b.px, py = a.py - b.py, pz = a.pz - b.pz;
-  const float cr = a.cr - b.cr, cg = a.cg - b.cg, cb = a.cb - b.cb;
-  const float cosine = a.nx * b.nx + a.ny * b.ny + a.nz * b.nz;
-  return std::sqrt(px * px + py * py + pz * pz) + std::sqrt(cr * cr + cg * cg + cb * cb) +
-         distance.normal_weight * (1.0F - std::fabs(cosine));
+/// The distance between two features, measured as in the kernel assign_candidates.
+inline float distance_between(const DistanceWeights& weights, const Feature& a, const Feature& b) {
+  const auto difference = [&](Feature::Index i) { return a.value[i] - b.value[i]; };
+  const auto product = [&](Feature::Index i) { return a.value[i] * b.value[i]; };
+  const float x = difference(Feature::kX), y = difference(Feature::kY), z = difference(Feature::kZ);
+  const float red = difference(Feature::kRed), green = difference(Feature::kGreen), blue = difference(Feature::kBlue);
+  const float cosine = product(Feature::kNormalX) + product(Feature::kNormalY) + product(Feature::kNormalZ);
+  return std::sqrt(x * x + y * y + z * z) + std::sqrt(red * red + green * green + blue * blue) +
+         weights.normal * (1.0F - std::fabs(cosine));
 }
 
-/// Of features, number by number: two at a time are half the instructions, as the compiler sees by itself only where
-/// they are an array.
+/// The sum of the features of a cluster's voxels.
 class FeatureSum {
  public:
-  void add(const Feature& f) {
-    for (std::size_t i = 0; i < kNumbers; ++i) sum_[i] += static_cast<double>((&f.px)[i]);
+  void add(const Feature& feature) {
+    for (std::size_t i = 0; i < Feature::kSize; ++i) sum_[i] += static_cast<double>(feature.value[i]);
   }
-  void take_off(const Feature& f) {
-    for (std::size_t i = 0; i < kNumbers; ++i) sum_[i] -= static_cast<double>((&f.px)[i]);
+  void subtract(const Feature& feature) {
+    for (std::size_t i = 0; i < Feature::kSize; ++i) sum_[i] -= static_cast<double>(feature.value[i]);
   }
+  /// The mean of `count` features. Its normal is the unit vector along the sum of theirs.
   Feature mean(std::size_t count) const {
+    const auto vector = [&](Feature::Index first) { return Vec3{sum_[first], sum_[first + 1], sum_[first + 2]}; };
     const double scale = 1 / static_cast<double>(count);
-    const auto& [px, py, pz, nx, ny, nz, cr, cg, cb] = sum_;
-    return feature(scale * Vec3{px, py, pz}, scale * Vec3{cr, cg, cb}, unit(Vec3{nx, ny, nz}));
+    return make_feature(scale * vector(Feature::kX), scale * vector(Feature::kRed), unit(vector(Feature::kNormalX)));
   }
 
  private:
-  static constexpr std::size_t kNumbers = sizeof(Feature) / sizeof(float);
-  double sum_[kNumbers] = {};
+  double sum_[Feature::kSize] = {};
 };
 
+/// A supervoxel that grows.
 struct Cluster {
-  /// All foreign voxels that touch it, each once, and some that did and no longer do. A turn looks at these alone, not
-  /// at the neighbours of all its voxels: a fifth of the visits.
+  /// Every voxel outside the cluster that has a neighbor in it, once, and some voxels that had one and lost it. An
+  /// expansion looks at these alone, not at the neighbors of all voxels of the cluster.
   std::vector<std::uint32_t> candidates;
-  std::size_t count = 0;  // voxels it owns
+  std::size_t count = 0;  ///< of its voxels
   FeatureSum sum;
-  Feature centre{};
-  // Nothing changes at the turn of a cluster that neither gained nor lost since its last one.
-  bool changed = true;
-  bool changed_next = false;
-  bool lost = false;  // a voxel, ever: until then all candidates touch it
+  Feature center{};
+  // A cluster that neither gained nor lost a voxel since its last expansion would gain none by the next.
+  bool active = true;            ///< it gained or lost a voxel since its last expansion
+  bool active_next = false;      ///< the same for the next iteration
+  bool has_lost_voxels = false;  ///< as long as it has not, all candidates have a neighbor in it
 
-  bool takes_turn() const { return changed && count > 0; }
+  bool can_expand() const { return active && count > 0; }
 
-  /// Voxel v, whose feature is given, goes to another cluster.
+  /// Voxel v, which has this feature, goes to another cluster.
   void lose(std::uint32_t v, const Feature& feature) {
     --count;
-    sum.take_off(feature);
+    sum.subtract(feature);
     candidates.push_back(v);
-    changed = changed_next = lost = true;
+    active = active_next = has_lost_voxels = true;
   }
-  /// As new, but the candidates keep their memory.
+  /// Makes it a new cluster without voxels. The candidates keep their memory.
   void clear() {
     candidates.clear();
     count = 0;
     sum = {};
-    changed = true;
-    changed_next = false;
-    lost = false;
+    active = true;
+    active_next = false;
+    has_lost_voxels = false;
   }
 };
 
-/// A voxel that is about to become that of a cluster.
-struct Assignment {
+/// A voxel of a layer (UnreachedVoxelAssigner) and the cluster that it is assigned to.
+struct LayerVoxel {
   std::uint32_t voxel, cluster;
 };
 
-/// Kept between calls for its memory.
-struct State {
-  std::vector<Voxel> voxels;       // V
-  std::size_t most_neighbors = 0;  // of a voxel
-  std::uint32_t turn = 0;
+/// It is kept between frames for its memory.
+struct GrowthState {
+  std::vector<Voxel> voxels;       ///< V
+  std::size_t most_neighbors = 0;  ///< of any voxel
+  std::uint32_t expansion_count = 0;
   std::uint32_t cluster_count = 0;
-  std::vector<Cluster> clusters;     // more than there are, so that their candidates keep their memory
-  std::vector<Claim> claims;         // of a turn
-  std::vector<Assignment> layer;     // of voxels that the rounds did not reach
-  std::vector<std::uint32_t> fresh;  // candidates that a turn adds
-  std::vector<std::uint32_t> rest;   // voxels that the rounds did not reach
-  std::vector<std::uint32_t> number;
+  std::vector<Cluster> clusters;  ///< `cluster_count` of them are in use; the others keep the memory of candidates
+  // Buffers:
+  std::vector<AssignedVoxel> assigned;        ///< by an expansion
+  std::vector<std::uint32_t> new_candidates;  ///< of an expansion
+  std::vector<std::uint32_t> unreached;       ///< voxels that the iterations did not reach
+  std::vector<LayerVoxel> layers;             ///< of unreached voxels
+  std::vector<std::uint32_t> supervoxel_of_cluster;
 
-  void clear(std::size_t size) {
-    voxels.resize(size);
+  void clear(std::size_t voxel_count) {
+    voxels.resize(voxel_count);
     most_neighbors = 0;
-    turn = cluster_count = 0;
+    expansion_count = cluster_count = 0;
   }
-  std::uint32_t new_cluster() {
+  std::uint32_t add_cluster() {
     if (cluster_count == clusters.size()) clusters.emplace_back();
     clusters[cluster_count].clear();
     return cluster_count++;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -6,29 +7,34 @@
 #include "core/base/stop_check.hpp"
 #include "core/supervoxels/growth_state.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
-#include "segserve/stop_token.hpp"
 
 namespace segserve::growth {
 
-/// What the rounds did not reach: every voxel gets an owner. The first finds these voxels.
-class Filling {
+/// Assigns the voxels that the iterations did not reach to clusters.
+///
+/// All methods leave off when `check` stops them.
+class UnreachedVoxelAssigner {
  public:
-  Filling(const VoxelAdjacency& adjacency, const Distance& distance, StopCheck& check, State& state);
+  /// Finds the unreached voxels.
+  UnreachedVoxelAssigner(const VoxelAdjacency& adjacency, const DistanceWeights& weights, StopCheck& check,
+                         GrowthState& state);
 
-  /// Layer by layer, gives voxels without owner to the nearest cluster that touches them.
-  void reach_the_rest();
+  /// Assigns unreached voxels with a neighbor in a cluster to the nearest such cluster. They are the first layer, and
+  /// their unreached neighbors are the next, until no unreached voxel is connected with a cluster.
+  void assign_by_layers();
 
-  /// Components that no seed lies in: one cluster each, from the smallest voxel.
-  void adopt_components();
+  /// Makes a cluster of each connected component of the voxels that are still unreached. They are numbered by their
+  /// smallest voxel.
+  void make_clusters_of_components();
 
  private:
-  std::size_t claim_for_nearest(std::uint32_t v);
-  void trim_rest();
+  std::size_t add_to_layer(std::uint32_t v);
+  void drop_reached();
 
   const VoxelAdjacency& adjacency_;
-  Distance distance_;
+  DistanceWeights weights_;
   StopCheck& check_;
-  State& state_;
+  GrowthState& state_;
 };
 
 }  // namespace segserve::growth

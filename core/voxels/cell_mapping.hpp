@@ -14,18 +14,18 @@ namespace segserve {
 /// range is 2^30 units on either side of 0.
 struct CellMapping {
   explicit CellMapping(double resolution)
-      : cells_per_metre(static_cast<float>(1 / resolution)), units_per_metre(unit_scale(resolution)) {}
+      : cells_per_meter(static_cast<float>(1 / resolution)), units_per_meter(unit_scale(resolution)) {}
 
-  double unit() const { return 1 / static_cast<double>(units_per_metre); }
+  double unit() const { return 1 / static_cast<double>(units_per_meter); }
   /// Coordinates must be below this in magnitude, meters.
-  float coordinate_limit() const { return kUnitLimit / units_per_metre; }
+  float coordinate_limit() const { return kUnitLimit / units_per_meter; }
 
   static constexpr float kUnitLimit = 1073741824.0F;                      // 2^30
   static constexpr float kCellLimit = static_cast<float>(kCellBias - 2);  // Neighbors never leave the 21 bits.
   static constexpr float kSmallestDepth = 1.1754944e-38F;  // Below it, numbers are subnormal and ln is not defined.
 
-  const float cells_per_metre;
-  const float units_per_metre;
+  const float cells_per_meter;
+  const float units_per_meter;
 
  private:
   static float unit_scale(double resolution) {

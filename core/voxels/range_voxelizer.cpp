@@ -26,8 +26,8 @@ bool RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
                      cloud_.y.data() + first,
                      cloud_.z.data() + first,
                      cloud_.view.kind == ViewKind::kCamera,
-                     mapping_.cells_per_metre,
-                     mapping_.units_per_metre,
+                     mapping_.cells_per_meter,
+                     mapping_.units_per_meter,
                      selection_.all() ? nullptr : &selection_.limits()};
   const std::size_t valid = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
   if (valid < count) part_.first_invalid = first + valid;

@@ -1,11 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/weights/color_difference.hpp"
 
 #include "core/weights/simd/weight_kernels.hpp"
 
 namespace segserve {
+
 Lab srgb_to_lab(const Vec3& rgb) {
   Lab color;
-  metric_kernels().srgb_to_lab(&rgb, 1, &color);
+  weight_kernels().srgb_to_lab(&rgb, 1, &color);
   return color;
 }
 
@@ -13,7 +15,7 @@ double ciede2000(const Lab& p, const Lab& q) {
   const Lab colors[] = {p, q};
   const RegionEdge pair{0, 1};
   double difference = 0;
-  metric_kernels().color_differences(colors, &pair, 1, &difference);
+  weight_kernels().color_differences(colors, &pair, 1, &difference);
   return difference;
 }
 

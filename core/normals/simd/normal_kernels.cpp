@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/normals/simd/normal_kernels.hpp"
 
 #include "core/simd/simd_dispatch.hpp"
 
 namespace segserve {
 
-namespace plain_kernels {
+namespace baseline {
 extern const NormalKernels kNormalKernels;
 }
-namespace avx2_kernels {
+namespace avx2 {
 extern const NormalKernels kNormalKernels;
 }
 
 const NormalKernels& normal_kernels() {
 #if defined(SEGSERVE_AVX2)
-  if (cpu_in_use() == Cpu::kAvx2) return avx2_kernels::kNormalKernels;
+  if (simd_target() == SimdTarget::kAvx2) return avx2::kNormalKernels;
 #endif
-  return plain_kernels::kNormalKernels;
+  return baseline::kNormalKernels;
 }
 
 }  // namespace segserve

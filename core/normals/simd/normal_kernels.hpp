@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -7,36 +8,33 @@
 
 namespace segserve {
 
-/// x, y, z of a voxel, aligned so that they are one load; w is for whoever makes it.
-struct alignas(32) Quad {
+/// A vector with a fourth number, aligned so that all four are one load.
+struct alignas(32) PaddedVec3 {
   double x, y, z, w;
 };
 
-inline Quad quad(const Vec3& v, double w) { return {v.x, v.y, v.z, w}; }
-
-/// Number, sum and second moments of the centroids of a voxel and its neighbours, about its own centroid.
+/// Sums over the centroids of a voxel and its neighbors, relative to its own centroid.
 struct alignas(32) RingMoments {
-  double x, y, z, count;
-  double xx, xy, xz, yy;
-  double yz, zz, unused[2];
+  double first[4];   ///< of x, y and z, and how many centroids there are
+  double second[6];  ///< of xx, xy, xz, yy, yz and zz
 };
 
-/// Neighbours as in VoxelAdjacency.
+/// The arrays of VoxelAdjacency.
 struct NeighborRows {
   const std::uint32_t* offset;
   const std::uint32_t* neighbor;
 };
 
-/// Voxels by columns (VoxelWindows). Arrays have kWindowPadding more entries, of any finite value.
-struct WindowColumns {
+/// The columns of Neighborhoods. They have kColumnPadding more entries, of any finite value.
+struct VoxelColumns {
   const double *x, *y, *z;           ///< centroids
-  const float *nx, *ny, *nz;         ///< normals, if they are known
-  const float* inverse_square_edge;  ///< of the voxels
-  const std::int32_t* cell_x;        ///< x of the voxels' cells
+  const float *nx, *ny, *nz;         ///< normals; only refit_neighborhoods reads them
+  const float* inverse_square_edge;  ///< 1 / edge^2
+  const std::int32_t* cell_x;        ///< x of their cells
 };
-inline constexpr std::size_t kWindowPadding = 8;
+inline constexpr std::size_t kColumnPadding = 8;
 
-/// Consecutive voxels of one row of cells; at most kWindowPadding.
+/// Consecutive voxels of one row of cells; at most kColumnPadding.
 struct RowSpan {
   std::uint32_t first, count;
 };
@@ -46,52 +44,52 @@ struct SpanCount {
   std::uint32_t spans, voxels;
 };
 
-/// The voxels of a row of cells that are not yet done with.
+/// The voxels of a row of cells that are still to come.
 struct CellRow {
   std::uint32_t next, end;
 };
 
-/// Voxels side by side, and all voxels at most two cells away from any of them, row by row.
-struct WindowGroup {
+/// Voxels side by side, with all voxels that are at most two cells away from any of them, row by row.
+struct VoxelGroup {
   static constexpr std::size_t kMost = 4;
-  RowSpan voxels;  ///< of one row, in 4 neighbouring cells of it
-  std::uint32_t first_span, span_count;
-  std::uint32_t candidates;  ///< voxels of the spans
+  RowSpan voxels;                        ///< in kMost neighboring cells of one row
+  std::uint32_t first_span, span_count;  ///< spans of the nearby voxels, among VoxelGroups::spans
+  std::uint32_t candidates;              ///< how many voxels the spans have
 };
 
-/// Groups from `begin` to `end`, with their spans.
-struct WindowGroups {
-  const WindowGroup *begin, *end;
+/// The groups from `begin` to `end`, and the spans to which they refer.
+struct VoxelGroups {
+  const VoxelGroup *begin, *end;
   const RowSpan* spans;
 };
 
-/// How refit_windows weighs a neighbour (EdgeAwareOptions).
+/// The weights of refit_neighborhoods (EdgeAwareOptions).
 struct RefitScales {
-  float angle;    ///< of 1 - cosine in the exponent
-  float offset;   ///< of the squared offset, in voxels, in the exponent
+  float angle;    ///< factor of 1 - cosine in the exponent
+  float offset;   ///< factor of the squared offset, in voxels, in the exponent
   float support;  ///< sum of weights up to which the first normal stays
 };
 
-/// The inner loops of the normals, compiled once for each kind of CPU. All give the same bytes.
+/// The inner loops of the normals, compiled once for each SimdTarget. All versions give the same bytes.
 struct NormalKernels {
-  /// Moments of the first rings of the voxels [begin, end). `centroid`: w = 0.
-  void (*ring_moments)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
+  /// Computes the moments of the first rings of the voxels [begin, end). The fourth numbers of the centroids are 0.
+  void (*ring_moments)(std::size_t begin, std::size_t end, const NeighborRows& rows, const PaddedVec3* centroid,
                        RingMoments* rings);
-  /// Normals, of either sign, of the planes through both rings of the voxels [begin, end).
-  void (*fit_planes)(std::size_t begin, std::size_t end, const NeighborRows& rows, const Quad* centroid,
+  /// Fits planes to both rings of the voxels [begin, end). The normals may have either sign.
+  void (*fit_planes)(std::size_t begin, std::size_t end, const NeighborRows& rows, const PaddedVec3* centroid,
                      const RingMoments* rings, Vec3* normals);
-  /// Which voxels of `count` rows are in the cells with x from left to right, at most kWindowPadding. Room for
-  /// kMostRowSpans. To be called with ascending limits: `next` moves with them.
+  /// Finds the voxels of `count` rows in the cells with x from left to right, at most kColumnPadding cells. There must
+  /// be room for kMostRowSpans spans. Calls must have ascending limits, because `next` of the rows moves with them.
   SpanCount (*find_spans)(const std::int32_t* cell_x, std::int32_t left, std::int32_t right, CellRow* rows,
                           std::size_t count, RowSpan* spans);
-  /// Normals of either sign of the planes through the windows of the groups' voxels (window_normals).
-  void (*fit_windows)(const WindowColumns& columns, const WindowGroups& groups, Vec3* normals);
-  /// Gives the groups' voxels their new normals (refine_normals); columns and `normals` hold the first ones.
-  void (*refit_windows)(const WindowColumns& columns, const RefitScales& scales, const WindowGroups& groups,
-                        Vec3* normals);
+  /// Fits planes to the neighborhoods of the voxels of the groups. The normals may have either sign.
+  void (*fit_neighborhoods)(const VoxelColumns& columns, const VoxelGroups& groups, Vec3* normals);
+  /// Replaces the normals of the voxels of the groups by edge-aware ones. Columns and `normals` hold the first normals.
+  void (*refit_neighborhoods)(const VoxelColumns& columns, const RefitScales& scales, const VoxelGroups& groups,
+                              Vec3* normals);
 };
 
-/// Those for `cpu_in_use`.
+/// The kernels for `simd_target`.
 const NormalKernels& normal_kernels();
 
 }  // namespace segserve

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The kernels for every CPU of the architecture.
-#define SEGSERVE_KERNELS plain_kernels
+#define SEGSERVE_SIMD_TARGET baseline
 #include "core/normals/simd/normal_kernel_table.hpp"

@@ -1,18 +1,19 @@
-// Part of the kernels; see core/simd/simd_vectors.hpp. Which voxels of nearby rows of cells are in a window.
+// SPDX-License-Identifier: Apache-2.0
+// A kernel; see core/simd/simd_vectors.hpp. Finds the voxels of nearby rows of cells that are in a neighborhood.
 #pragma once
 
 #include "core/normals/simd/normal_kernels.hpp"
 #include "core/simd/simd_vectors.hpp"
 
-namespace segserve::SEGSERVE_KERNELS {
+namespace segserve::SEGSERVE_SIMD_TARGET {
 namespace {
 
-/// How many of 8 cells, the first `most` of which ascend, come before the first that is not below `limit`; at most
-/// `most`. Without branches.
+/// Counts the cells before the first one that is not below `limit`. There are 8 cells, of which the first `most`, which
+/// ascend, count. It has no branches.
 SEGSERVE_INLINE std::uint32_t count_below(const std::int32_t* cells, std::int32_t limit, std::uint32_t most) {
   std::uint32_t below = 0;
 #pragma GCC unroll 2
-  for (std::size_t k = 0; k < kWindowPadding; k += kFloats) below |= bits(load<Int>(cells + k) < limit) << k;
+  for (std::size_t k = 0; k < kColumnPadding; k += kFloatLanes) below |= bits(load<Ints>(cells + k) < limit) << k;
   const auto count = static_cast<std::uint32_t>(__builtin_ctz(~below));
   return count < most ? count : most;
 }
@@ -26,7 +27,7 @@ SpanCount find_spans(const std::int32_t* cell_x, std::int32_t left, std::int32_t
     do {
       passed = count_below(cell_x + next, left, row->end - next);
       next += passed;
-    } while (passed == kWindowPadding);
+    } while (passed == kColumnPadding);
     row->next = next;
     const std::uint32_t found = count_below(cell_x + next, right + 1, row->end - next);
     *out = {next, found};
@@ -37,4 +38,4 @@ SpanCount find_spans(const std::int32_t* cell_x, std::int32_t left, std::int32_t
 }
 
 }  // namespace
-}  // namespace segserve::SEGSERVE_KERNELS
+}  // namespace segserve::SEGSERVE_SIMD_TARGET

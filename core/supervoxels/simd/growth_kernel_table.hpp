@@ -1,12 +1,13 @@
-// Part of the kernels; see core/simd/simd_vectors.hpp.
+// SPDX-License-Identifier: Apache-2.0
+// The kernels, compiled for one SimdTarget; see core/simd/simd_vectors.hpp.
 #pragma once
 
 #include "core/supervoxels/simd/candidate_assignment.hpp"
 #include "core/supervoxels/simd/neighbor_queries.hpp"
 
-namespace segserve::SEGSERVE_KERNELS {
+namespace segserve::SEGSERVE_SIMD_TARGET {
 
-extern const growth::Kernels kGrowthKernels;
-const growth::Kernels kGrowthKernels{find_claims, keep_touching, find_fresh};
+extern const GrowthKernels kGrowthKernels;
+const GrowthKernels kGrowthKernels{assign_candidates, keep_adjacent, find_new_candidates};
 
-}  // namespace segserve::SEGSERVE_KERNELS
+}  // namespace segserve::SEGSERVE_SIMD_TARGET

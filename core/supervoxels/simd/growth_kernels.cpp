@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/supervoxels/simd/growth_kernels.hpp"
 
 #include "core/simd/simd_dispatch.hpp"
 
 namespace segserve {
 
-namespace plain_kernels {
-extern const growth::Kernels kGrowthKernels;
+namespace baseline {
+extern const GrowthKernels kGrowthKernels;
 }
-namespace avx2_kernels {
-extern const growth::Kernels kGrowthKernels;
+namespace avx2 {
+extern const GrowthKernels kGrowthKernels;
 }
 
-const growth::Kernels& growth::kernels() {
+const GrowthKernels& growth_kernels() {
 #if defined(SEGSERVE_AVX2)
-  if (cpu_in_use() == Cpu::kAvx2) return avx2_kernels::kGrowthKernels;
+  if (simd_target() == SimdTarget::kAvx2) return avx2::kGrowthKernels;
 #endif
-  return plain_kernels::kGrowthKernels;
+  return baseline::kGrowthKernels;
 }
 
 }  // namespace segserve

@@ -1,65 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-namespace segserve::growth {
+namespace segserve {
+namespace growth {
 
-/// What a turn measures of a voxel, or of the centre of a cluster, scaled by the weights: position, normal, colour. In
-/// the order in which lanes read them, four at a time.
+/// The point of a voxel, or of the center of a cluster, in the space in which growth measures distances: position and
+/// color, both scaled by their weights, and normal.
 struct Feature {
-  float px, py, pz, nx, ny, nz, cr, cg, cb;
+  static constexpr std::size_t kSize = 9;
+  enum Index : std::size_t { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kRed, kGreen, kBlue };
+  float value[kSize];
 };
 
-/// All that turns ask of a voxel in one cache line: a seventh off growth of ten million points.
+/// All that growth asks of a voxel, in one cache line.
 struct alignas(64) Voxel {
   Feature feature;
-  float distance;                  ///< to its owner's centre when that took it
-  std::uint32_t owner;             ///< a cluster, or kNobody
-  std::uint32_t seen;              ///< the last turn that had it among its candidates
-  std::uint32_t first, neighbors;  ///< its row of VoxelAdjacency: where it begins, and how many they are
+  float distance;                ///< to the center of its cluster, measured when the voxel was assigned to it
+  std::uint32_t cluster;         ///< or kNoCluster
+  std::uint32_t visited_in;      ///< the number of the last expansion that had the voxel among its candidates
+  std::uint32_t first_neighbor;  ///< where its neighbors begin in VoxelAdjacency::neighbor
+  std::uint32_t neighbor_count;
 };
 
-/// The distance of VCCS between features that are scaled by their weights.
-struct Distance {
-  float normal_weight;
-  bool colored;  ///< else all colours are 0
+/// What the distance of VCCS needs beside features, in which the weights of position and color are contained.
+struct DistanceWeights {
+  float normal;
+  bool colored;  ///< false if all colors are 0
 };
 
-/// A voxel that is about to change hands, and how far it is from its new owner's centre.
-struct Claim {
+/// A voxel that is about to be assigned to a cluster, and its distance to the center of that.
+struct AssignedVoxel {
   std::uint32_t voxel;
   float distance;
 };
 
-/// The turn of a cluster: what it may read, and mark as seen.
-struct Turn {
+/// One expansion of a cluster: the voxels and neighbors that it reads, and the voxels that it marks as visited.
+struct Expansion {
   Voxel* voxels;
   const std::uint32_t* neighbor;  ///< as in VoxelAdjacency
-  std::size_t neighbors;          ///< how many there are of all voxels together
-  std::uint32_t cluster, number;  ///< whose turn it is, and which
+  std::size_t neighbor_entries;   ///< the length of `neighbor`
+  std::uint32_t cluster, number;
 };
 
-/// What a kernel found, and how many neighbours it looked at.
-struct Found {
-  std::size_t count, visits;
+/// The number of voxels that a query found, and that of the neighbors that it looked at.
+struct QueryCounts {
+  std::size_t found, visited;
 };
 
-/// The inner loops of growth, compiled once for each kind of CPU. All give the same bytes.
-struct Kernels {
-  /// Splits candidates: those that are nearer to the centre than to their owners become claims, whose number is
-  /// returned; the others stay, at `kept`, which may be `candidates`. All are seen. `claims` has room for all.
-  std::size_t (*find_claims)(const Turn& turn, const Distance& distance, const Feature& centre,
-                             const std::uint32_t* candidates, std::size_t count, Claim* claims, std::uint32_t* kept);
-  /// Keeps the claims that touch a voxel of the cluster, at `kept`, which may be `claims`, and finds their number;
-  /// the others are not seen any more.
-  Found (*keep_touching)(const Turn& turn, const Claim* claims, std::size_t count, Claim* kept);
-  /// The foreign neighbours of the claims that were not seen yet, each once: their number. `fresh` has room for all
-  /// neighbours and one more.
-  Found (*find_fresh)(const Turn& turn, const Claim* claims, std::size_t count, std::uint32_t* fresh);
+}  // namespace growth
+
+/// The inner loops of supervoxel growth, compiled once for each SimdTarget. All versions give the same bytes.
+struct GrowthKernels {
+  /// Writes the candidates that are nearer to `center` than to the center of their own cluster to `assigned`, which
+  /// must have room for all, and returns their number. Writes the others to `kept`, which may be `candidates`. Marks
+  /// all of them as visited.
+  std::size_t (*assign_candidates)(const growth::Expansion& expansion, const growth::DistanceWeights& weights,
+                                   const growth::Feature& center, const std::uint32_t* candidates, std::size_t count,
+                                   growth::AssignedVoxel* assigned, std::uint32_t* kept);
+  /// Writes the assigned voxels with a neighbor in the cluster to `kept`, which may be `assigned`. Marks the others as
+  /// not visited.
+  growth::QueryCounts (*keep_adjacent)(const growth::Expansion& expansion, const growth::AssignedVoxel* assigned,
+                                       std::size_t count, growth::AssignedVoxel* kept);
+  /// Writes the neighbors of the assigned voxels that are in other clusters, or in none, and not yet visited to
+  /// `candidates`, each once, and marks them as visited. `candidates` must have room for all neighbors and one more.
+  growth::QueryCounts (*find_new_candidates)(const growth::Expansion& expansion, const growth::AssignedVoxel* assigned,
+                                             std::size_t count, std::uint32_t* candidates);
 };
 
-/// Those for `cpu_in_use`.
-const Kernels& kernels();
+/// The kernels for `simd_target`.
+const GrowthKernels& growth_kernels();
 
-}  // namespace segserve::growth
+}  // namespace segserve

@@ -1,3 +1,4 @@
-// The kernels for x86-64 with AVX2; CMake compiles this file with -mavx2.
-#define SEGSERVE_KERNELS avx2_kernels
+// SPDX-License-Identifier: Apache-2.0
+// The kernels for x86-64 with AVX2. CMake compiles this file with -mavx2.
+#define SEGSERVE_SIMD_TARGET avx2
 #include "core/supervoxels/simd/growth_kernel_table.hpp"

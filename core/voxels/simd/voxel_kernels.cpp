@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/voxels/simd/voxel_kernels.hpp"
 
 #include "core/simd/simd_dispatch.hpp"
 
 namespace segserve {
 
-namespace plain_kernels {
+namespace baseline {
 extern const VoxelKernels kVoxelKernels;
 }
-namespace avx2_kernels {
+namespace avx2 {
 extern const VoxelKernels kVoxelKernels;
 }
 
 const VoxelKernels& voxel_kernels() {
 #if defined(SEGSERVE_AVX2)
-  if (cpu_in_use() == Cpu::kAvx2) return avx2_kernels::kVoxelKernels;
+  if (simd_target() == SimdTarget::kAvx2) return avx2::kVoxelKernels;
 #endif
-  return plain_kernels::kVoxelKernels;
+  return baseline::kVoxelKernels;
 }
 
 }  // namespace segserve

@@ -1,21 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/weights/simd/weight_kernels.hpp"
 
 #include "core/simd/simd_dispatch.hpp"
 
 namespace segserve {
 
-namespace plain_kernels {
-extern const MetricKernels kMetricKernels;
+namespace baseline {
+extern const WeightKernels kWeightKernels;
 }
-namespace avx2_kernels {
-extern const MetricKernels kMetricKernels;
+namespace avx2 {
+extern const WeightKernels kWeightKernels;
 }
 
-const MetricKernels& metric_kernels() {
+const WeightKernels& weight_kernels() {
 #if defined(SEGSERVE_AVX2)
-  if (cpu_in_use() == Cpu::kAvx2) return avx2_kernels::kMetricKernels;
+  if (simd_target() == SimdTarget::kAvx2) return avx2::kWeightKernels;
 #endif
-  return plain_kernels::kMetricKernels;
+  return baseline::kWeightKernels;
 }
 
 }  // namespace segserve

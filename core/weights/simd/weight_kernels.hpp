@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -8,25 +9,25 @@
 
 namespace segserve {
 
-/// Where a region is and which way it faces.
-struct Surfaces {
+/// The centroids and normals of all regions.
+struct RegionSurfaces {
   const Vec3* centroid;
-  const Vec3* normal;  ///< unit, or 0
+  const Vec3* normal;  ///< unit vectors, or 0
 };
 
-/// What metrics compute of many regions, or pairs of regions, compiled once for each kind of CPU. All give the same
-/// bytes.
-struct MetricKernels {
-  /// The colours `rgb`, sRGB (IEC 61966-2-1) with channels 0..255.
+/// The inner loops of metrics over many regions or pairs of regions, compiled once for each SimdTarget. All versions
+/// give the same bytes.
+struct WeightKernels {
+  /// Converts the colors `rgb` from sRGB (IEC 61966-2-1), with channels 0..255.
   void (*srgb_to_lab)(const Vec3* rgb, std::size_t count, Lab* colors);
-  /// CIEDE2000 between the colours of the two regions of each pair, which need not be in order.
+  /// CIEDE2000 between the colors of the two regions of each pair, in which a may be larger than b.
   void (*color_differences)(const Lab* colors, const RegionEdge* pairs, std::size_t count, double* differences);
-  /// eq. 5 of each pair; eq. 7 if `halve_convex`.
-  void (*geometric_terms)(const Surfaces& surfaces, bool halve_convex, const RegionEdge* pairs, std::size_t count,
+  /// delta_G of eq. 5 for each pair, or delta'_G of eq. 7 with `halve_convex`.
+  void (*geometric_terms)(const RegionSurfaces& surfaces, bool halve_convex, const RegionEdge* pairs, std::size_t count,
                           double* terms);
 };
 
-/// Those for `cpu_in_use`.
-const MetricKernels& metric_kernels();
+/// The kernels for `simd_target`.
+const WeightKernels& weight_kernels();
 
 }  // namespace segserve

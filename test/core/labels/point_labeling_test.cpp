@@ -16,7 +16,7 @@ using testing::ElementsAre;
 struct Input {
   Cloud cloud = test::random_cloud(7, 1, 2, View::camera());
   VoxelGrid grid;
-  Supervoxels supervoxels{.of_voxel = {0, 1, 1}, .count = 2};
+  Supervoxels supervoxels{.supervoxel_of_voxel = {0, 1, 1}, .count = 2};
   Cut cut{.segment_of_leaf = {2, 1}, .segments = 2};
 
   Input() {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/math/symmetric_matrix3.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@ TEST(SmallestEigenvector, AgreesWithEigenOnPlanarPatches) {
   std::mt19937_64 random(2);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < 2000; ++trial) {
-    // A random rotation of a flat patch whose thickness goes down to nothing.
+    // A flat patch in a random rotation, whose thickness goes down to 0.
     const double thickness = trial % 10 == 0 ? 0 : std::pow(10.0, -(trial % 7));
     const Eigen::Quaterniond q =
         Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
@@ -26,7 +27,7 @@ TEST(SmallestEigenvector, AgreesWithEigenOnPlanarPatches) {
   }
 }
 
-TEST(SmallestEigenvector, IsUndefinedForALineAndAPoint) {
+TEST(SmallestEigenvector, IsZeroForALineAndAPoint) {
   EXPECT_EQ(smallest_eigenvector(outer({1, 2, 3})), Vec3{});
   EXPECT_EQ(smallest_eigenvector({}), Vec3{});
 }

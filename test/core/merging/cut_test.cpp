@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,11 +14,11 @@ using testing::HasSubstr;
 TEST(Cut, ByThresholdAppliesTheLeadingRowsBelowIt) {
   const MergeTree tree = example_tree();
   EXPECT_EQ(cut_at_threshold(tree, 0)->segments, 5U);
-  EXPECT_EQ(cut_at_threshold(tree, 0.1)->segments, 5U);  // the paper stops at the first minimum >= t
+  EXPECT_EQ(cut_at_threshold(tree, 0.1)->segments, 5U);  // The paper stops at the first minimum >= t.
   EXPECT_EQ(cut_at_threshold(tree, 0.11)->segments, 4U);
-  EXPECT_EQ(cut_at_threshold(tree, 0.3)->segments, 4U);  // the later row of weight 0.2 is not applied
+  EXPECT_EQ(cut_at_threshold(tree, 0.3)->segments, 4U);  // The later row of weight 0.2 is not applied.
   EXPECT_EQ(cut_at_threshold(tree, 0.41)->segments, 2U);
-  EXPECT_EQ(cut_at_threshold(tree, 1)->segments, 2U);  // components stay apart at any threshold
+  EXPECT_EQ(cut_at_threshold(tree, 1)->segments, 2U);  // Components stay apart at any threshold.
 }
 
 TEST(Cut, ByRegionsGivesExactlySoMany) {

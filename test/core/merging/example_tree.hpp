@@ -1,10 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include "segserve/merge_tree.hpp"
 
 namespace segserve {
 
-/// Five leaves; weights fall after the second row, so heights do not; the last row is JOINED.
+/// A tree of five leaves. The weight falls after the second row, so that it differs from the height. The last row is
+/// JOINED.
 inline MergeTree example_tree() {
   MergeTree tree;
   tree.leaf_points = {10, 20, 30, 30, 5};

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/merging/merge_candidate.hpp"
 
 #include <gtest/gtest.h>
@@ -13,21 +14,22 @@ constexpr std::uint32_t kLargestId = (std::uint32_t{1} << 31) - 1;
 
 TEST(MergeCandidate, GivesBackWhatItWasMadeOf) {
   for (const double d : {-std::numeric_limits<double>::max(), -2.5, 0.0, 1e-300, 7.0}) {
-    const MergeCandidate candidate(MergeTurn::kTooSmall, d, 5, kLargestId);
-    EXPECT_EQ(candidate.turn(), MergeTurn::kTooSmall);
+    const MergeCandidate candidate(MergePriority::kTooSmall, d, 5, kLargestId);
+    EXPECT_EQ(candidate.priority(), MergePriority::kTooSmall);
     EXPECT_EQ(candidate.dissimilarity(), d);
     EXPECT_EQ(candidate.a(), 5U);
     EXPECT_EQ(candidate.b(), kLargestId);
   }
 }
 
-TEST(MergeCandidate, IsOrderedByTurnThenDissimilarityThenIds) {
-  using Fields = std::tuple<MergeTurn, double, std::uint32_t, std::uint32_t>;
+TEST(MergeCandidate, IsOrderedByPriorityThenDissimilarityThenIds) {
+  using Fields = std::tuple<MergePriority, double, std::uint32_t, std::uint32_t>;
   std::vector<Fields> all;
-  for (const MergeTurn turn : {MergeTurn::kFirst, MergeTurn::kTooSmall, MergeTurn::kLast}) {
+  for (const MergePriority priority :
+       {MergePriority::kBelowThreshold, MergePriority::kTooSmall, MergePriority::kOther}) {
     for (const double d : {-7.0, -0.5, -0.0, 0.0, 1e-9, 37.0}) {
       for (const std::uint32_t a : {0U, 3U, kLargestId}) {
-        for (const std::uint32_t b : {0U, 3U, kLargestId}) all.emplace_back(turn, d, a, b);
+        for (const std::uint32_t b : {0U, 3U, kLargestId}) all.emplace_back(priority, d, a, b);
       }
     }
   }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/merge_tree.hpp"
 
 #include <gmock/gmock.h>
@@ -39,7 +40,7 @@ TEST(MergeTreeCheck, NamesWhatIsWrong) {
               HasSubstr("row 2: a MERGED row comes after"));
 }
 
-/// What is sent of the example.
+/// The columns of the example that are sent.
 TreeColumns example_columns() {
   const MergeTree tree = example_tree();
   return {
@@ -70,7 +71,8 @@ TEST(MergeTreeComplete, NamesWhatIsWrong) {
   EXPECT_THAT(fault([](TreeColumns& c) { c.merged_rows = 2; }),
               HasSubstr("row 2: it is JOINED, but its weight is 0.2"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.left[1] = 3; }), HasSubstr("row 1: left 3 and right 3"));
-  EXPECT_THAT(fault([](TreeColumns& c) { c.right[1] = 6; }), HasSubstr("row 1: left 2 and right 6"));  // its own node
+  EXPECT_THAT(fault([](TreeColumns& c) { c.right[1] = 6; }),
+              HasSubstr("row 1: left 2 and right 6"));  // The node of the row itself.
   EXPECT_THAT(fault([](TreeColumns& c) { c.right[3] = 0xffffffff; }), HasSubstr("row 3: left 4 and right 4294967295"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.left[1] = 1; }), HasSubstr("row 1: a node is merged twice"));
   EXPECT_THAT(fault([](TreeColumns& c) { c.weight[2] = -0.1; }), HasSubstr("row 2: weight -0.1"));

@@ -89,8 +89,8 @@ TEST(ViewByPcdRuleTest, OrganisedAndUnmovedIsACamera) {
 }
 
 TEST(ViewByPcdRuleTest, EverythingElseIsAWorldWithTheSensorAtItsOrigin) {
-  pcl::PointCloud<pcl::PointXYZRGB> unorganised(12, 1);
-  EXPECT_EQ(view_by_pcd_rule(unorganised), View::world(0, 0, 0));
+  pcl::PointCloud<pcl::PointXYZRGB> unorganized(12, 1);
+  EXPECT_EQ(view_by_pcd_rule(unorganized), View::world(0, 0, 0));
 
   pcl::PointCloud<pcl::PointXYZRGB> moved(4, 3);
   moved.sensor_origin_ = Eigen::Vector4f(1, 2, 3, 0);

@@ -1,3 +1,5 @@
+// SPDX-License-Identifier: Apache-2.0
+//
 // Supervoxels must not be worse than those of PCL's SupervoxelClustering on the same frames.
 #include <gtest/gtest.h>
 
@@ -29,7 +31,8 @@ void compare(const codec::LabelledCloud& frame, const Options& options, Sums& ou
   ours.add(frame.label, s.supervoxels, s.tree.leaf_count());
   const pcl_peer::PclCloud cloud(frame.cloud);
   const pcl_peer::PclSupervoxels theirs(cloud, pcl_peer::same_as(options));
-  pcl.add(frame.label, theirs.labels(), theirs.size());  // 0, what PCL left out, counts as a supervoxel of its own kind
+  // The points that PCL left out have label 0, which counts as a supervoxel.
+  pcl.add(frame.label, theirs.labels(), theirs.size());
 }
 
 void expect_not_worse(const Sums& ours, const Sums& pcl) {
@@ -39,7 +42,7 @@ void expect_not_worse(const Sums& ours, const Sums& pcl) {
               ours.undersegmentation / n, pcl.undersegmentation / n);
   EXPECT_GE(ours.accuracy / n, pcl.accuracy / n - 0.0003);
   EXPECT_LE(ours.undersegmentation / n, pcl.undersegmentation / n + 0.0005);
-  EXPECT_LE(ours.supervoxels, 1.35 * pcl.supervoxels) << "more supervoxels would make it too easy";
+  EXPECT_LE(ours.supervoxels, 1.35 * pcl.supervoxels) << "more supervoxels would be better for that reason alone";
 }
 
 struct Resolution {
@@ -49,7 +52,7 @@ struct Resolution {
 
 class PclSupervoxels : public testing::TestWithParam<Resolution> {};
 
-TEST_P(PclSupervoxels, AreNotBetterOnRealFrames) {
+TEST_P(PclSupervoxels, AreNotBetterThanOursOnRealFrames) {
   const std::filesystem::path folder = std::filesystem::path(SEGSERVE_DATA_DIR) / "osd/learn";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no OSD scenes in " << folder;
   Sums ours, pcl;
@@ -61,7 +64,7 @@ TEST_P(PclSupervoxels, AreNotBetterOnRealFrames) {
   expect_not_worse(ours, pcl);
 }
 
-TEST_P(PclSupervoxels, AreNotBetterOnSyntheticFrames) {
+TEST_P(PclSupervoxels, AreNotBetterThanOursOnSyntheticFrames) {
   Sums ours, pcl;
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     synth::SceneOptions options;

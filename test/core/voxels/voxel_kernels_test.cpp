@@ -20,8 +20,8 @@ namespace segserve {
 namespace {
 
 /// The bits of everything that the kernels make of a cloud.
-std::vector<std::uint64_t> bits_of(const FrameContext& frame, Cpu cpu) {
-  use_cpu(cpu);
+std::vector<std::uint64_t> bits_of(const FrameContext& frame, SimdTarget cpu) {
+  set_simd_target(cpu);
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> two_ring, fitted;
@@ -34,7 +34,7 @@ std::vector<std::uint64_t> bits_of(const FrameContext& frame, Cpu cpu) {
   EXPECT_TRUE(fit_neighborhood_normals(frame, grid, adjacency, neighborhoods, fitted).ok());
   std::vector<Vec3> refined = fitted;
   EXPECT_TRUE(refine_normals(frame, {}, neighborhoods, refined).ok());
-  use_cpu(best_cpu());
+  set_simd_target(best_simd_target());
   std::vector<std::uint64_t> bits(grid.key.begin(), grid.key.end());
   bits.insert(bits.end(), grid.slot_of_point.begin(), grid.slot_of_point.end());
   bits.insert(bits.end(), grid.points.begin(), grid.points.end());
@@ -48,9 +48,9 @@ std::vector<std::uint64_t> bits_of(const FrameContext& frame, Cpu cpu) {
 
 void expect_same_bits(const Cloud& cloud, const Options& options) {
   const test::TestFrame frame(cloud, options);
-  const auto any = bits_of(frame, Cpu::kAny);
+  const auto any = bits_of(frame, SimdTarget::kBaseline);
   EXPECT_GT(any.size(), cloud.size());
-  EXPECT_EQ(bits_of(frame, best_cpu()), any);
+  EXPECT_EQ(bits_of(frame, best_simd_target()), any);
 }
 
 TEST(Kernels, GiveTheSameBytesInTheCameraView) {

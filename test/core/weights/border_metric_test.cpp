@@ -1,15 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/weights/border_metric.hpp"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
-#include <map>
 #include <random>
+#include <vector>
 
 #include "core/math/elementary.hpp"
 #include "core/merging/merger.hpp"
-#include "core/normals/two_ring_normals.hpp"
-#include "core/voxels/voxelization.hpp"
+#include "core/weights/color_difference.hpp"
 #include "test/core/support/clouds.hpp"
 #include "test/core/support/test_frame.hpp"
 
@@ -18,7 +19,7 @@ namespace {
 
 constexpr Vec3 kUp{0, 0, 1};
 
-/// Unit vector in the x-z plane, `degrees` from up towards +x.
+/// A unit vector in the x-z plane, `degrees` from up towards +x.
 Vec3 tilted(double degrees) { return {math::sin(degrees * math::kDegree), 0, math::cos(degrees * math::kDegree)}; }
 
 TEST(IsCut, KeepsAPlaneTogether) {
@@ -27,7 +28,7 @@ TEST(IsCut, KeepsAPlaneTogether) {
 }
 
 TEST(IsCut, KeepsAConvexFoldAndCutsAConcaveOne) {
-  // The top of a box and its right side, then a floor and a wall to its right.
+  // First the top of a box and its right side, then a floor and a wall to its right.
   EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0.015, 0, -0.015}, tilted(90), 0.0075, 0.03));
   EXPECT_TRUE(is_cut({0, 0, 0}, kUp, {0.015, 0, 0.015}, tilted(-90), 0.0075, 0.03));
   EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0.03, 0, 0.001}, tilted(-8), 0.0075, 0.03)) << "hardly concave";
@@ -39,7 +40,7 @@ TEST(IsCut, CutsAStep) {
 }
 
 TEST(IsCut, CutsWhereTheLineOfCentroidsRunsAlongTheFold) {
-  // Convex, but side by side along the fold: singular contact.
+  // The fold is convex, but the regions lie side by side along it.
   EXPECT_TRUE(is_cut({0, 0, 0}, kUp, {0.001, 0.03, 0}, tilted(60), 0.0075, 0.03));
 }
 
@@ -56,11 +57,11 @@ RegionGraph regions(const std::vector<double>& areas) {
 }
 
 TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
-  BorderMetric metric(regions({4e-4, 16e-4, 64e-4}), 0, {});
+  BorderMetric metric(regions({4e-4, 16e-4, 64e-4}), {}, 0, {});
   EXPECT_DOUBLE_EQ(metric.dissimilarity(0, 2, {4, 4 * 14.5}), 0) << "the smaller region is below size_area";
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6, 1e-12) << "one doubling";
   EXPECT_EQ(metric.dissimilarity(1, 2, {3, 7}), metric.dissimilarity(2, 1, {3, 7}));
-  BorderMetric large(regions({0.04, 4, 4}), 0, {});
+  BorderMetric large(regions({0.04, 4, 4}), {}, 0, {});
   EXPECT_EQ(large.dissimilarity(0, 1, {1, 10}), large.dissimilarity(1, 2, {1, 10})) << "beyond size_limit";
   metric.merge(1, 0);
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6 * std::log2(2.5), 1e-12);
@@ -68,8 +69,8 @@ TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
 }
 
 TEST(BorderMetric, RegionsOfLittleAreaOrFewPointsAreTooSmall) {
-  const RegionGraph graph = regions({11e-4, 13e-4, 13e-4});  // of 10, 11 and 12 points
-  const BorderMetric by_area(graph, 0, {}), by_points(graph, 12, {});
+  const RegionGraph graph = regions({11e-4, 13e-4, 13e-4});  // They have 10, 11 and 12 points.
+  const BorderMetric by_area(graph, {}, 0, {}), by_points(graph, {}, 12, {});
   EXPECT_TRUE(by_area.too_small(0));
   EXPECT_FALSE(by_area.too_small(1));
   EXPECT_TRUE(by_points.too_small(1));
@@ -77,7 +78,7 @@ TEST(BorderMetric, RegionsOfLittleAreaOrFewPointsAreTooSmall) {
 }
 
 TEST(BorderMetric, WeightIsTheSigmoid) {
-  const BorderMetric metric(regions({1}), 0, {});
+  const BorderMetric metric(regions({1}), {}, 0, {});
   EXPECT_EQ(metric.weight(0), 0.5);
   EXPECT_NEAR(metric.weight(2), 1 / (1 + std::exp(-2.0)), 1e-15);
   EXPECT_EQ(metric.weight(1e9), 1);
@@ -85,6 +86,8 @@ TEST(BorderMetric, WeightIsTheSigmoid) {
 }
 
 TEST(BorderMetric, GivesAMonotoneTreeOnAnyGraph) {
+  const Cloud cloud = test::unorganized();
+  const test::TestFrame frame(cloud);
   std::mt19937_64 random(4);
   const auto pick = [&](int n) { return static_cast<double>(random() % static_cast<unsigned>(n)); };
   for (int trial = 0; trial < 20; ++trial) {
@@ -96,13 +99,14 @@ TEST(BorderMetric, GivesAMonotoneTreeOnAnyGraph) {
         if (random() % 10 == 0) graph.edges.push_back({a, b});
       }
     }
-    std::vector<BorderMetric::Evidence> evidence;
+    std::vector<BorderEvidence> evidence;
     for (std::size_t e = 0; e < graph.edges.size(); ++e) {
       const double pairs = 1 + pick(30);
       evidence.push_back({pairs, pairs * pick(25)});
     }
-    BorderMetric metric(graph, 0, {});
-    const MergeTree tree = *merge_regions<BorderMetric>(graph.edges, evidence, 0.5, metric);
+    BorderMetric metric(graph, std::move(evidence), 0, {});
+    MergeTree tree;
+    ASSERT_TRUE(Merger<BorderMetric>().run(frame, graph.edges, 0.5, metric, tree).ok());
     for (std::size_t row = 1; row < tree.row_count(); ++row) {
       if (tree.kind[row] == MergeKind::kJoined) break;
       ASSERT_GE(tree.weight[row], tree.weight[row - 1] * (1 - 1e-12)) << "trial " << trial << ", row " << row;
@@ -110,49 +114,38 @@ TEST(BorderMetric, GivesAMonotoneTreeOnAnyGraph) {
   }
 }
 
-TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
-  const Cloud cloud = test::random_cloud(6000, 0.3F, 1, View::camera());
-  const test::TestFrame frame(cloud, {.voxel_resolution = 0.01});
-  VoxelGrid grid;
-  VoxelAdjacency adjacency;
-  std::vector<Vec3> normals;
-  Seeds seeds;
-  ASSERT_TRUE(Voxelization().run(frame, grid).ok());
-  ASSERT_TRUE(find_adjacency(frame, grid, adjacency).ok());
-  ASSERT_TRUE(TwoRingNormals().run(frame, grid, adjacency, normals).ok());
-  SeedScratch seeding;
-  select_seeds(grid, cloud.view, 0.01, 0.08, seeding, seeds);
-  GrowthScratch growth;
-  Supervoxels s;
-  const SupervoxelOptions options{0.01, 0.08, 0.2, 0.4, 1};
-  ASSERT_TRUE(grow_supervoxels(grid, adjacency, normals, seeds, options, StopToken(), growth, s).ok());
-  GraphScratch scratch_of_graph;
+RegionGraph pair_graph() {
   RegionGraph graph;
-  build_region_graph(grid, adjacency, normals, s, cloud.view, 0.01, StopToken(), scratch_of_graph, graph);
+  for (const double x : {0.0, 0.03}) {
+    Region region;
+    region.points = 2;
+    region.centroid = {x, 0, 1};
+    region.normal_sum = {0, 0, 5};
+    region.color_sum = {2 * 200.0, 2 * 4000 * x, 0};
+    graph.regions.push_back(region);
+  }
+  graph.edges = {{0, 1}};
+  return graph;
+}
 
-  struct Sum {
-    double pairs = 0, angles = 0;
-  };
-  std::map<std::pair<std::uint32_t, std::uint32_t>, Sum> expected;
-  for (std::uint32_t v = 0; v < grid.size(); ++v) {
-    for (const std::uint32_t u : adjacency.of(v)) {
-      if (u < v || s.of_voxel[u] == s.of_voxel[v]) continue;
-      Sum& sum = expected[std::minmax(s.of_voxel[u], s.of_voxel[v])];
-      sum.pairs += 1;
-      const bool concave = dot(normals[v] - normals[u], grid.centroid[v] - grid.centroid[u]) < 0;
-      const bool defined = norm(normals[v]) > 0 && norm(normals[u]) > 0;
-      const double angle = std::acos(std::clamp(dot(normals[v], normals[u]), -1.0, 1.0)) / math::kDegree;
-      if (concave && defined) sum.angles += std::max(0.0, angle - 4);
-    }
-  }
-  std::vector<Border> borders;
-  measure_borders(graph, grid, normals, s, 4, StopToken(), borders);
-  ASSERT_EQ(borders.size(), expected.size());
-  for (std::size_t e = 0; e < borders.size(); ++e) {
-    const Sum& sum = expected.at({graph.edges[e].a, graph.edges[e].b});
-    EXPECT_EQ(borders[e].voxel_pairs, sum.pairs);
-    EXPECT_NEAR(borders[e].concavity, sum.angles / sum.pairs, 1e-5);
-  }
+TEST(BorderEvidence, IsTheWeightedSumOfConcavityAndColorForEachContact) {
+  const Cloud cloud = test::unorganized();
+  const test::TestFrame frame(cloud);
+  const RegionGraph graph = pair_graph();
+  const BorderConstants constants;
+  std::vector<BorderEvidence> evidence;
+  ASSERT_TRUE(find_border_evidence(frame, graph, {{7, 12}}, constants, evidence).ok());
+  const double color = ciede2000(srgb_to_lab({200, 0, 0}), srgb_to_lab({200, 120, 0}));
+  EXPECT_EQ(evidence.at(0).contacts, 7);
+  EXPECT_DOUBLE_EQ(evidence[0].sum, 7 * (constants.concavity_weight * 12 + constants.color_weight * color));
+}
+
+TEST(BorderEvidence, StopsWhenAsked) {
+  const Cloud cloud = test::unorganized();
+  const std::atomic<bool> cancelled = true;
+  const test::TestFrame frame(cloud, {}, StopToken(&cancelled));
+  std::vector<BorderEvidence> evidence;
+  EXPECT_EQ(find_border_evidence(frame, pair_graph(), {{7, 12}}, {}, evidence).code(), absl::StatusCode::kCancelled);
 }
 
 }  // namespace

@@ -1,8 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/weights/paper_metric.hpp"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+
+#include "core/weights/color_difference.hpp"
+#include "test/core/support/test_frame.hpp"
 
 namespace segserve {
 namespace {
@@ -13,7 +18,7 @@ constexpr Vec3 kSide{1, 0, 0};
 TEST(GeometricTerm, IsZeroForCoplanarRegions) { EXPECT_EQ(geometric_term({0, 0, 0}, kUp, {1, 2, 0}, kUp), 0); }
 
 TEST(GeometricTerm, IsEquation5) {
-  // Normals across each other, centroids on the line of the first normal: (1 + 1 + 0) / 3.
+  // The normals are orthogonal and the centroids on the line of the first normal: (1 + 1 + 0) / 3.
   EXPECT_DOUBLE_EQ(geometric_term({0, 0, 0}, kUp, {0, 0, 2}, kSide), 2.0 / 3);
   const double h = std::sqrt(0.5);
   EXPECT_NEAR(geometric_term({0, 0, 0}, kUp, {1, 0, -1}, kSide), (1 + h + h) / 3, 1e-15);
@@ -25,7 +30,7 @@ TEST(GeometricTerm, IsDefinedWhereCentroidsCoincide) {
 }
 
 TEST(Convexity, IsThatOfABoxEdgeAndNotOfACorner) {
-  // Top and side face of a box, seen from outside; then floor and wall.
+  // First the top and a side of a box, seen from outside, then a floor and a wall.
   const auto share = [](const Vec3& xi, const Vec3& xj) {
     return geometric_term(xi, kUp, xj, kSide, true) / geometric_term(xi, kUp, xj, kSide);
   };
@@ -33,12 +38,12 @@ TEST(Convexity, IsThatOfABoxEdgeAndNotOfACorner) {
   EXPECT_EQ(share({0, 0, 0}, {-0.5, 0, 0.5}), 1);
 }
 
-/// A flat square region of 3 x 3 voxels of one colour, normal to z or to x.
-Region square(const Vec3& centre, bool vertical, const Vec3& rgb, std::uint32_t points = 9) {
+/// A flat square region of 3 x 3 voxels of one color, orthogonal to z or to x.
+Region square(const Vec3& center, bool vertical, const Vec3& rgb, std::uint32_t points = 9) {
   Region region;
   region.voxels = 9;
   region.points = points;
-  region.centroid = centre;
+  region.centroid = center;
   for (int i = -1; i <= 1; ++i) {
     for (int j = -1; j <= 1; ++j) {
       region.scatter += outer(vertical ? Vec3{0, 0.01 * i, 0.01 * j} : Vec3{0.01 * i, 0.01 * j, 0});
@@ -57,11 +62,17 @@ RegionGraph step_graph() {
   return graph;
 }
 
+PaperMetric metric_of(const RegionGraph& graph, const View& view, const Options& options) {
+  Cloud cloud;
+  cloud.view = view;
+  return *PaperMetric::create(test::TestFrame(cloud, options), graph);
+}
+
 double weight(Method method, double lambda, std::uint32_t a, std::uint32_t b) {
   Options options;
   options.method = method;
   options.lambda = lambda;
-  return PaperMetric(step_graph(), View::world(-1, 0, 1), options).dissimilarity(a, b);
+  return metric_of(step_graph(), View::world(-1, 0, 1), options).dissimilarity(a, b);
 }
 
 TEST(PaperMetric, FixedLambdaSpansColorAndGeometry) {
@@ -78,12 +89,19 @@ TEST(PaperMetric, CoplanarRegionsOfOneColorAreAlike) {
   }
 }
 
+TEST(PaperMetric, LearningStopsWhenAsked) {
+  const Cloud cloud;
+  const std::atomic<bool> cancelled = true;
+  const test::TestFrame frame(cloud, {.method = Method::kLambda}, StopToken(&cancelled));
+  EXPECT_EQ(PaperMetric::create(frame, step_graph()).status().code(), absl::StatusCode::kCancelled);
+}
+
 TEST(PaperMetric, ColorIsThatOfTheMeanRgb) {
   Options options;
   options.method = Method::kColor;
   RegionGraph graph = step_graph();
   graph.regions[1] = square({0.03, 0, 0}, false, {20, 30, 40}, 27);  // three times the points
-  PaperMetric metric(graph, View::world(-1, 0, 1), options);
+  PaperMetric metric = metric_of(graph, View::world(-1, 0, 1), options);
   metric.merge(0, 1);
   const Vec3 mean = 0.25 * Vec3{200 + 60, 10 + 90, 10 + 120};
   EXPECT_DOUBLE_EQ(metric.dissimilarity(0, 2),
@@ -92,7 +110,7 @@ TEST(PaperMetric, ColorIsThatOfTheMeanRgb) {
 }
 
 TEST(PaperMetric, AConvexEdgeHalvesTheGeometricTerm) {
-  // Seen from above and the left the step is concave; seen from behind the wall its back is convex.
+  // The step is concave if it is seen from above and from the left. Seen from behind the wall, its back is convex.
   Options options;
   options.method = Method::kFixedLambda;
   options.lambda = 0;
@@ -100,9 +118,9 @@ TEST(PaperMetric, AConvexEdgeHalvesTheGeometricTerm) {
   graph.regions[2].centroid.z = -0.02;
   graph.edges = {{1, 2}};
   const View view = View::world(1, 0, 1);
-  const double plain = PaperMetric(graph, view, options).dissimilarity(1, 2);
+  const double plain = metric_of(graph, view, options).dissimilarity(1, 2);
   options.method = Method::kLambdaConvex;
-  const PaperMetric convex(graph, view, options);
+  const PaperMetric convex = metric_of(graph, view, options);
   const double lambda = convex.lambda();
   const double color = ciede2000(srgb_to_lab({200, 10, 10}), srgb_to_lab({10, 10, 200})) / kCiede2000Range;
   EXPECT_NEAR(convex.dissimilarity(1, 2), lambda * color + (1 - lambda) * plain / 2, 1e-12);

@@ -1,4 +1,6 @@
-// The code for AVX2 gives the bytes of the code for any CPU, however many pairs there are. On a machine without AVX2
+// SPDX-License-Identifier: Apache-2.0
+//
+// The kernels for AVX2 give the same bytes as the baseline, however many pairs there are. On a machine without AVX2
 // both are the same code.
 #include "core/weights/simd/weight_kernels.hpp"
 
@@ -16,7 +18,7 @@
 namespace segserve {
 namespace {
 
-/// Colours of all hues, greys, and opposites; places and directions, some of them the same.
+/// Colors of all hues, grays and opposite hues among them, and centroids and normals, some of which are equal.
 struct Regions {
   std::vector<Lab> color;
   std::vector<Vec3> centroid, normal;
@@ -40,13 +42,13 @@ Regions random_regions(std::uint32_t count) {
   return r;
 }
 
-/// Colour differences, then geometric terms by eq. 5 and 7: their bits.
-std::vector<std::uint64_t> bits_of(const Regions& r, std::size_t pairs, Cpu cpu) {
-  use_cpu(cpu);
+/// The bits of the color differences and of the geometric terms by eq. 5 and 7.
+std::vector<std::uint64_t> bits_of(const Regions& r, std::size_t pairs, SimdTarget target) {
+  set_simd_target(target);
   std::vector<double> values(3 * pairs);
-  const MetricKernels& kernels = metric_kernels();
-  use_cpu(best_cpu());
-  const Surfaces surfaces{r.centroid.data(), r.normal.data()};
+  const WeightKernels& kernels = weight_kernels();
+  set_simd_target(best_simd_target());
+  const RegionSurfaces surfaces{r.centroid.data(), r.normal.data()};
   kernels.color_differences(r.color.data(), r.pairs.data(), pairs, values.data());
   kernels.geometric_terms(surfaces, false, r.pairs.data(), pairs, values.data() + pairs);
   kernels.geometric_terms(surfaces, true, r.pairs.data(), pairs, values.data() + 2 * pairs);
@@ -55,17 +57,17 @@ std::vector<std::uint64_t> bits_of(const Regions& r, std::size_t pairs, Cpu cpu)
   return bits;
 }
 
-TEST(MetricKernels, GiveTheSameBytesOnEveryCpu) {
+TEST(WeightKernels, GiveTheSameBytesForEveryTarget) {
   const Regions regions = random_regions(120);
   for (const std::size_t pairs : {std::size_t{0}, std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{4},
                                   std::size_t{7}, regions.pairs.size()}) {
-    EXPECT_EQ(bits_of(regions, pairs, Cpu::kAny), bits_of(regions, pairs, best_cpu())) << pairs;
+    EXPECT_EQ(bits_of(regions, pairs, SimdTarget::kBaseline), bits_of(regions, pairs, best_simd_target())) << pairs;
   }
 }
 
-TEST(MetricKernels, GiveWhatOnePairAloneGetsInEitherOrder) {
+TEST(WeightKernels, GiveEachPairTheSameBytesAloneAndInEitherOrder) {
   const Regions r = random_regions(60);
-  const std::vector<std::uint64_t> bits = bits_of(r, r.pairs.size(), best_cpu());
+  const std::vector<std::uint64_t> bits = bits_of(r, r.pairs.size(), best_simd_target());
   for (std::size_t i = 0; i < r.pairs.size(); ++i) {
     const auto [a, b] = r.pairs[i];
     EXPECT_EQ(std::bit_cast<std::uint64_t>(ciede2000(r.color[b], r.color[a])), bits[i]) << a << ", " << b;
@@ -75,7 +77,7 @@ TEST(MetricKernels, GiveWhatOnePairAloneGetsInEitherOrder) {
   }
 }
 
-/// The formula of CIE 1976 L*a*b* and sRGB, by the functions of math/elementary.hpp.
+/// Converts sRGB to CIE 1976 L*a*b* by the formula, with the scalar functions of core/math/elementary.hpp.
 Lab lab_by_formula(const Vec3& rgb) {
   const auto linear = [](double channel) {
     const double c = channel / 255;
@@ -92,15 +94,15 @@ Lab lab_by_formula(const Vec3& rgb) {
   return {116 * fy - 16, 500 * (fx - fy), 200 * (fy - fz)};
 }
 
-TEST(MetricKernels, ConvertColorsByTheFormulaBitForBit) {
+TEST(WeightKernels, ConvertColorsByTheFormulaBitForBit) {
   std::mt19937_64 random(2);
   std::vector<Vec3> rgb{{0, 0, 0}, {255, 255, 255}, {10.31, 10.32, 0.5}};
   const auto channel = [&] { return static_cast<double>(random() % 255'001) / 1000; };
   while (rgb.size() < 1000) rgb.push_back({channel(), channel(), channel()});
-  for (const Cpu cpu : {Cpu::kAny, best_cpu()}) {
-    use_cpu(cpu);
-    const MetricKernels& kernels = metric_kernels();
-    use_cpu(best_cpu());
+  for (const SimdTarget target : {SimdTarget::kBaseline, best_simd_target()}) {
+    set_simd_target(target);
+    const WeightKernels& kernels = weight_kernels();
+    set_simd_target(best_simd_target());
     for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{3}, std::size_t{6}, rgb.size()}) {
       std::vector<Lab> colors(count + 1, Lab{-1, -1, -1});
       kernels.srgb_to_lab(rgb.data(), count, colors.data());

@@ -37,7 +37,7 @@ absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const
 /// Writes PCD 0.7 with the fields x y z, rgb (packed; if the cloud has colour) and label (U4; if
 /// `label`, which has an entry per point, is not empty). Floats and colours survive exactly in all
 /// three encodings. VIEWPOINT is the sensor's position, the identity for CAMERA or no sensor:
-/// an organised WORLD cloud with the sensor at the origin or unknown, and an unorganised CAMERA
+/// an organised WORLD cloud with the sensor at the origin or unknown, and an unorganized CAMERA
 /// cloud, therefore need an explicit view when they are read again.
 /// A body of 4 GiB or more does not fit into binary_compressed and is written as binary.
 std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> label, PcdEncoding encoding);

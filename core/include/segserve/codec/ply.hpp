@@ -24,7 +24,7 @@ bool is_ply(std::string_view file);
 ///
 /// Properties: x y z, float or double, required; colour `red green blue` or
 /// `diffuse_red diffuse_green diffuse_blue`, integers 0 to 255; label `label` or `scalar_Label`,
-/// read as in a PCD file. The cloud is unorganised; PLY knows no sensor, so the view is WORLD
+/// read as in a PCD file. The cloud is unorganized; PLY knows no sensor, so the view is WORLD
 /// without one unless `view` is given.
 ///
 /// INVALID_ARGUMENT with one line that names the fault and its place for anything else, a header

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <algorithm>
@@ -7,13 +8,18 @@
 
 namespace segserve {
 
-/// The minimum of n values of which single ones change: a complete binary tree of winners, at most O(log n) a
-/// change: it ends where the winner stays the same. `worst` is a value that loses against all others.
+/// A tournament tree: the smallest of n values, of which single ones change. A change takes O(log n) at most, because
+/// it ends where the winner stays the same.
+///
+///     TournamentTree<int> tree(3, 100);  // three values of 100
+///     tree.set(1, 7);
+///     tree.winner();  // 7
 template <typename Value>
-class Tournament {
+class TournamentTree {
  public:
-  Tournament(std::size_t n, Value worst)
-      : leaves_(std::bit_ceil(std::max<std::size_t>(n, 1))), nodes_(2 * leaves_, worst) {}
+  /// All values are `largest`, which no value may exceed.
+  TournamentTree(std::size_t n, Value largest)
+      : leaves_(std::bit_ceil(std::max<std::size_t>(n, 1))), nodes_(2 * leaves_, largest) {}
 
   const Value& winner() const { return nodes_[1]; }
   const Value& operator[](std::size_t i) const { return nodes_[leaves_ + i]; }
