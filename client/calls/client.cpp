@@ -15,6 +15,7 @@
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "grpc/health/v1/health.grpc.pb.h"
+#include "proto/wire/result_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/status_macros.hpp"
+#include "proto/wire/result_message.hpp"
 #include "segserve/segment.hpp"
 
 namespace segserve::client {

@@ -8,6 +8,7 @@
 #include "client/calls/payload_data.hpp"
 #include "core/base/status_macros.hpp"
 #include "proto/wire/cloud_message.hpp"
+#include "proto/wire/codec_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
 #include "segserve/codec/decode_limits.hpp"
 

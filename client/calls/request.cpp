@@ -9,6 +9,7 @@
 #include "core/base/status_macros.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
+#include "proto/wire/request_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
 

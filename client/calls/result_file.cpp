@@ -11,6 +11,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
+#include "proto/wire/result_message.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/segment.pb.h"
 
@@ -87,7 +88,7 @@ absl::StatusOr<std::string> encode_result_file(const Result& result) {
                               .supervoxels = true,
                               .tree = true,
                               .segments = !result.segmentation.statistics.empty(),
-                              .compression = v1::COMPRESSION_ZSTD};
+                              .compression = wire::Compression::kZstd};
   v1::SegmentResponse response;
   ASSIGN_OR_RETURN(*response.mutable_result(), wire::to_message(result, outputs));
   if (response.ByteSizeLong() > kMaxPayload) {

@@ -20,7 +20,7 @@ struct Encoding {
   std::string name;  ///< for people
   /// Makes the payload of a cloud. Several threads call it at once.
   std::function<absl::StatusOr<client::Payload>(std::shared_ptr<const Cloud>)> encode;
-  v1::Compression answer_compression = v1::COMPRESSION_NONE;  ///< that arrays of results may have
+  wire::Compression answer_compression = wire::Compression::kNone;  ///< that arrays of results may have
 };
 
 /// The frames of a load test. Neither list may be empty.

@@ -19,6 +19,7 @@
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
+#include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "segserve/codec/cloud_file.hpp"
 

@@ -26,6 +26,7 @@
 #include "core/lab/synth/scene.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
+#include "proto/wire/codec_message.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/v1/server_info.pb.h"
 

@@ -6,6 +6,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
+#include "proto/wire/codec_message.hpp"
 #include "segserve/codec/quantised.hpp"
 
 namespace segserve::segctl {
@@ -82,15 +83,15 @@ absl::StatusOr<std::optional<wire::CodecOptions>> CodecFlags::options() const {
   return codecs.front();
 }
 
-v1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec) {
-  if (!codec) return v1::COMPRESSION_NONE;
+wire::Compression answer_compression(const std::optional<wire::CodecOptions>& codec) {
+  if (!codec) return wire::Compression::kNone;
   switch (codec->codec) {
     case wire::Codec::kPlanar:
     case wire::Codec::kStrided:
     case wire::Codec::kPcd:
-      return v1::COMPRESSION_NONE;
+      return wire::Compression::kNone;
     default:
-      return v1::COMPRESSION_ZSTD;
+      return wire::Compression::kZstd;
   }
 }
 

@@ -35,6 +35,6 @@ class CodecFlags {
 };
 
 /// The compression of the answer: a client that compresses the cloud wants a compressed answer, too.
-v1::Compression answer_compression(const std::optional<wire::CodecOptions>& codec);
+wire::Compression answer_compression(const std::optional<wire::CodecOptions>& codec);
 
 }  // namespace segserve::segctl

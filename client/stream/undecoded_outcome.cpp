@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "client/calls/answer.hpp"
+#include "proto/wire/result_message.hpp"
 
 namespace segserve::client {
 

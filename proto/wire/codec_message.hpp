@@ -11,20 +11,10 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/cloud.pb.h"
 #include "segserve/v1/server_info.pb.h"
+#include "segserve/wire/codec.hpp"
 
 // The ways in which a cloud can be sent, by name. Receivers tell them from the message: see wire::decode_cloud.
 namespace segserve::wire {
-
-enum class Codec : std::uint8_t {
-  kPlanar,
-  kPlanarZstd,
-  kStrided,
-  kStridedZstd,
-  kQuantised,
-  kPcd,
-  kRgbd,
-  kDraco,
-};
 
 struct CodecInfo {
   Codec codec;
@@ -39,15 +29,6 @@ std::span<const CodecInfo> codecs();
 
 /// Of one of codecs(). Draco's is there even if this build cannot encode it.
 const CodecInfo& info(Codec codec);
-
-/// INVALID_ARGUMENT that lists the names there are.
-absl::StatusOr<Codec> codec_from_name(std::string_view name);
-
-struct CodecOptions {
-  Codec codec = Codec::kPlanar;
-  double error_bound = 0.001;  ///< of a coordinate, metres; kQuantised and kDraco
-  int jpeg_quality = 90;       ///< of the colours, 1 to 100; kRgbd
-};
 
 /// The cloud in its own view, ready to be sent. Labels come back in the order of its points, whatever the codec.
 /// INVALID_ARGUMENT for what a codec cannot encode: quantised and Draco coordinates that are too large for the bound;

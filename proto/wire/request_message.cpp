@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/request_message.hpp"
 
 #include <string>
@@ -27,7 +28,7 @@ Outputs parse_outputs(const v1::Outputs& message) {
                   .tree = message.tree(),
                   .segments = message.segments()};
   for (const int accepted : message.accepted_compressions()) {
-    if (accepted == v1::COMPRESSION_ZSTD) outputs.compression = v1::COMPRESSION_ZSTD;
+    if (accepted == v1::COMPRESSION_ZSTD) outputs.compression = Compression::kZstd;
   }
   return outputs;
 }
@@ -65,13 +66,17 @@ void check_duration(bool has_it, const google::protobuf::Duration& duration, con
 
 }  // namespace
 
+v1::Compression to_message(Compression compression) {
+  return compression == Compression::kZstd ? v1::COMPRESSION_ZSTD : v1::COMPRESSION_NONE;
+}
+
 v1::Outputs to_message(const Outputs& outputs) {
   v1::Outputs message;
   message.set_labels(outputs.labels);
   message.set_supervoxels(outputs.supervoxels);
   message.set_tree(outputs.tree);
   message.set_segments(outputs.segments);
-  message.add_accepted_compressions(outputs.compression);
+  message.add_accepted_compressions(to_message(outputs.compression));
   return message;
 }
 

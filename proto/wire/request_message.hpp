@@ -4,20 +4,11 @@
 #include "segserve/options.hpp"
 #include "segserve/v1/segmentation_service.pb.h"
 #include "segserve/v1/stream.pb.h"
+#include "segserve/wire/outputs.hpp"
 
 namespace segserve::wire {
 
-/// Which arrays an answer holds besides its summary.
-struct Outputs {
-  bool labels = true;
-  bool supervoxels = false;
-  bool tree = false;
-  bool segments = false;  ///< what there is to say of each: Segmentation::statistics
-  /// Of the label arrays.
-  v1::Compression compression = v1::COMPRESSION_NONE;
-  bool operator==(const Outputs&) const = default;
-};
-
+v1::Compression to_message(Compression compression);
 v1::Outputs to_message(const Outputs& outputs);
 
 /// What a request asks for, apart from its payload's bytes.

@@ -155,7 +155,7 @@ absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Ou
   v1::SegmentationResult message;
   fill_summary(result, *message.mutable_summary());
   const auto put = [&outputs](const auto& array, auto* field) {
-    auto made = to_message(array, outputs.compression);
+    auto made = to_message(array, to_message(outputs.compression));
     if (!made.ok()) return made.status();
     *field = *std::move(made);
     return absl::OkStatus();

@@ -9,32 +9,9 @@
 #include "proto/wire/request_message.hpp"
 #include "segserve/segment.hpp"
 #include "segserve/v1/result.pb.h"
+#include "segserve/wire/result.hpp"
 
 namespace segserve::wire {
-
-/// Wall times outside the segmentation, milliseconds (v1.Timings says from when to when).
-struct CallTimings {
-  double queue = 0;
-  double decode = 0;
-  double encode = 0;
-  double total = 0;
-};
-
-/// A result as both ends of the wire know it.
-struct Result {
-  /// Arrays that were not asked for are empty. On the client `timings.total` is the sum of its stages.
-  Segmentation segmentation;
-  std::size_t points = 0;
-  std::uint32_t supervoxels = 0;
-  Method method = Method::kBorder;
-  std::optional<std::uint32_t> regions;  ///< asked for; unset if the cut is at a threshold
-  View view;                             ///< that was used
-  std::string view_rule;                 ///< why this view, for people
-  CallTimings timings;
-  std::string server_version;    ///< of the program that segmented
-  std::string options_hash;      ///< see wire::options_hash
-  bool in_this_process = false;  ///< on the client: computed here, not by a server
-};
 
 /// What there is to tell of the finished segmentation of `cloud`; call timings are left 0.
 Result make_result(Segmentation segmentation, const CloudView& cloud, const Options& options, std::string view_rule,

@@ -12,21 +12,11 @@
 #include "google/rpc/status.pb.h"
 #include "grpcpp/support/status.h"
 #include "segserve/options.hpp"
-#include "segserve/v1/error_reason.pb.h"
+#include "segserve/wire/error_details.hpp"
 
 // The one place where results of core become gRPC's and back. An absl::Status carries its details as
 // payloads (google.rpc messages under their Any type URLs), so that nothing is lost on the way.
 namespace segserve::wire {
-
-using v1::ErrorReason;
-
-/// What a status says beyond code and message.
-struct ErrorDetails {
-  ErrorReason reason = v1::ERROR_REASON_UNSPECIFIED;  ///< UNSPECIFIED also for reasons newer than this program
-  std::map<std::string, std::string> metadata = {};   ///< e.g. limit, allowed, actual
-  std::vector<FieldViolation> fields = {};            ///< every wrong field by its path in the request
-  std::optional<std::chrono::milliseconds> retry_delay = std::nullopt;  ///< try again, not before this time has passed
-};
 
 /// The name of a reason as it stands in google.rpc.ErrorInfo: "QUEUE_FULL".
 std::string reason_name(ErrorReason reason);
@@ -36,9 +26,6 @@ absl::Status with_details(absl::Status status, const ErrorDetails& details);
 
 /// The status with this reason, unless it is OK or has one already.
 absl::Status with_reason(absl::Status status, ErrorReason reason);
-
-/// What the status carries; empty details if nothing.
-ErrorDetails details_of(const absl::Status& status);
 
 /// INVALID_ARGUMENT, reason MALFORMED_PAYLOAD: bytes that are not what they claim to be.
 absl::Status malformed(std::string_view message);

@@ -19,7 +19,9 @@
 #include "proto/wire/byte_run.hpp"
 #include "proto/wire/options_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/request_message.hpp"
 #include "proto/wire/result_blocks.hpp"
+#include "proto/wire/result_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
@@ -212,7 +214,7 @@ class FakeServer final : public v1::SegmentationService::Service {
         wire::from_message(header.has_options() ? header.options() : open.options(), Options{}, faults);
     const v1::Outputs& asked = header.has_outputs() ? header.outputs() : open.outputs();
     const wire::Outputs outputs{asked.labels(), asked.supervoxels(), asked.tree(), asked.segments(),
-                                v1::COMPRESSION_ZSTD};
+                                wire::Compression::kZstd};
     const auto result = segment_here(make_payload(header.cloud(), header.points()), options, outputs, StopToken());
     if (!result.ok()) return fail(stream, header, result.status());
     v1::SegmentStreamResponse response;

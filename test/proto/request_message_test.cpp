@@ -24,7 +24,7 @@ TEST(WireRequest, WithoutOutputsMeansPlainLabels) {
 
 TEST(WireRequest, OutputsRoundTrip) {
   const Outputs outputs{
-      .labels = false, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD};
+      .labels = false, .supervoxels = true, .tree = true, .segments = true, .compression = Compression::kZstd};
   v1::SegmentRequest request = good_request();
   *request.mutable_outputs() = to_message(outputs);
   EXPECT_EQ(parse_request(request, {})->outputs, outputs);
@@ -33,7 +33,7 @@ TEST(WireRequest, OutputsRoundTrip) {
 TEST(WireRequest, CompressionsOfTheFutureAreNotChosen) {
   v1::SegmentRequest request = good_request();
   request.mutable_outputs()->add_accepted_compressions(static_cast<v1::Compression>(99));
-  EXPECT_EQ(parse_request(request, {})->outputs.compression, v1::COMPRESSION_NONE);
+  EXPECT_EQ(parse_request(request, {})->outputs.compression, Compression::kNone);
 }
 
 TEST(WireRequest, NamesEveryWrongFieldOfEveryPart) {

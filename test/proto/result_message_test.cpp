@@ -52,7 +52,7 @@ std::string message_bytes(std::initializer_list<char> bytes) { return bytes; }
 v1::SegmentationResult small_message() { return to_message(small_result(), kEverything).value(); }
 
 TEST(WireResult, RoundTrips) {
-  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
+  for (const auto compression : {Compression::kNone, Compression::kZstd}) {
     Outputs outputs = kEverything;
     outputs.compression = compression;
     v1::SegmentationResult message = to_message(small_result(), outputs).value();

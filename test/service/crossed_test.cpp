@@ -61,7 +61,7 @@ constexpr std::array kOutputs{
     OutputsRow{"everything", {.labels = true, .supervoxels = true, .tree = true, .segments = true}},
     OutputsRow{
         "everything, zstd",
-        {.labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD}},
+        {.labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = wire::Compression::kZstd}},
     OutputsRow{"nothing", kNothing},
 };
 

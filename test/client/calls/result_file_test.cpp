@@ -9,6 +9,7 @@
 
 #include "gmock/gmock.h"
 #include "gtest/gtest.h"
+#include "proto/wire/result_message.hpp"
 #include "segserve/segment.hpp"
 #include "test/client/client_scenes.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "core/lab/synth/scene.hpp"
 #include "gmock/gmock.h"
+#include "proto/wire/codec_message.hpp"
 #include "server/server.hpp"
 
 namespace segserve::bench {
@@ -37,7 +38,7 @@ std::vector<Encoding> all_encodings() {
         {.name = std::string(info.name),
          .encode =
              [options](std::shared_ptr<const Cloud> cloud) { return client::cloud_payload(std::move(cloud), options); },
-         .answer_compression = v1::COMPRESSION_ZSTD});
+         .answer_compression = wire::Compression::kZstd});
   }
   return encodings;
 }

@@ -11,6 +11,8 @@
 #include "client/stream/stream_scheduler.hpp"
 #include "gtest/gtest.h"
 #include "proto/wire/byte_run.hpp"
+#include "proto/wire/request_message.hpp"
+#include "proto/wire/result_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "test/client/client_scenes.hpp"
 #include "test/client/stream/received_message.hpp"

@@ -1,5 +1,6 @@
 // What a stream decides about connections, without transport: the test is the clock and the server.
 #include "gmock/gmock.h"
+#include "proto/wire/status_message.hpp"
 #include "test/client/stream/stream_harness.hpp"
 
 namespace segserve::client {

@@ -7,6 +7,7 @@
 #include "gmock/gmock.h"
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/request_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "test/server/support/server_scenes.hpp"
 

@@ -10,6 +10,7 @@
 #include "gmock/gmock.h"
 #include "grpcpp/generic/generic_stub.h"
 #include "proto/wire/result_message.hpp"
+#include "proto/wire/status_message.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "test/server/support/fake_backend.hpp"
 #include "test/server/support/running_server.hpp"

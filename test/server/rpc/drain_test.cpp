@@ -2,6 +2,7 @@
 #include <future>
 
 #include "gmock/gmock.h"
+#include "proto/wire/status_message.hpp"
 #include "test/server/support/fake_backend.hpp"
 #include "test/server/support/running_server.hpp"
 #include "test/server/support/server_scenes.hpp"

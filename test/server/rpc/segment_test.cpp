@@ -14,7 +14,7 @@ namespace segserve::server {
 namespace {
 
 constexpr wire::Outputs kEverything{
-    .labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = v1::COMPRESSION_ZSTD};
+    .labels = true, .supervoxels = true, .tree = true, .segments = true, .compression = wire::Compression::kZstd};
 
 /// The server's answer, converted to core's types.
 wire::Result ask(RunningServer& server, v1::SegmentRequest request, std::size_t points) {

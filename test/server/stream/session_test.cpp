@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "gmock/gmock.h"
+#include "proto/wire/request_message.hpp"
 #include "test/server/support/session_harness.hpp"
 
 namespace segserve::server {

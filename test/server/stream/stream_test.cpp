@@ -6,6 +6,7 @@
 #include "gmock/gmock.h"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/result_message.hpp"
+#include "proto/wire/status_message.hpp"
 #include "segserve/codec/draco.hpp"
 #include "test/proto/example_messages.hpp"
 #include "test/server/support/running_server.hpp"
@@ -159,7 +160,7 @@ TEST(Stream, CarriesTreesBeyondAChunk) {
                          result.tree = tree;
                          return absl::StatusOr<Segmentation>(result);
                        }));
-  for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
+  for (const auto compression : {wire::Compression::kNone, wire::Compression::kZstd}) {
     StubStream stream(server);
     v1::StreamOpen open;
     *open.mutable_outputs() =
@@ -168,7 +169,7 @@ TEST(Stream, CarriesTreesBeyondAChunk) {
     ASSERT_TRUE(stream.send(SentFrame(1, equal_points(kPoints, 0, 0, 1))));
     const auto outcome = stream.next();
     ASSERT_TRUE(outcome && outcome->kind() == v1::OUTCOME_KIND_RESULT) << outcome->status().message();
-    if (compression == v1::COMPRESSION_NONE) {
+    if (compression == wire::Compression::kNone) {
       EXPECT_EQ(outcome->encoded_bytes(), (4 + 1) * kPoints + (4 + 4 + 8) * (kPoints - 1));
     } else {
       EXPECT_LT(outcome->encoded_bytes(), 21 * kPoints / 2);

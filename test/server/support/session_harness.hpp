@@ -14,7 +14,9 @@
 
 #include "gtest/gtest.h"
 #include "proto/wire/byte_run.hpp"
+#include "proto/wire/cloud_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/request_message.hpp"
 #include "proto/wire/result_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 #include "server/stream/stream_session.hpp"

@@ -8,14 +8,14 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "proto/wire/codec_message.hpp"
-#include "proto/wire/request_message.hpp"
 #include "segserve/client/frame.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/client/stream.hpp"
 #include "segserve/client/stream_options.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/options.hpp"
+#include "segserve/wire/codec.hpp"
+#include "segserve/wire/outputs.hpp"
 
 namespace grpc {
 class Channel;

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "proto/wire/request_message.hpp"
-#include "proto/wire/result_message.hpp"
 #include "segserve/options.hpp"
+#include "segserve/wire/outputs.hpp"
+#include "segserve/wire/result.hpp"
 
 // The frames that go into a stream, and the outcomes that come out of it.
 namespace segserve::client {

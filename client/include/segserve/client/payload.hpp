@@ -7,11 +7,11 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "proto/wire/codec_message.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/labelled_cloud.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/stop_token.hpp"
+#include "segserve/wire/codec.hpp"
 
 namespace segserve::client {
 

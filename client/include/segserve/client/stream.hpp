@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "proto/wire/codec_message.hpp"
 #include "segserve/client/frame.hpp"
 #include "segserve/client/payload.hpp"
 #include "segserve/cloud.hpp"
+#include "segserve/wire/codec.hpp"
 
 namespace segserve::client {
 

@@ -8,8 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "proto/wire/codec_message.hpp"
 #include "segserve/client/frame.hpp"
+#include "segserve/wire/codec.hpp"
+#include "segserve/wire/outputs.hpp"
 
 namespace segserve::client {
 
