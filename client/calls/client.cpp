@@ -40,7 +40,7 @@ absl::StatusOr<Result> or_else(absl::StatusOr<Result> streamed, const absl::Stat
 
 }  // namespace
 
-/// What copies of a client share.
+/// The state that copies of a client share.
 class Client::State {
  public:
   State(std::shared_ptr<Channels> channels, ClientOptions options)

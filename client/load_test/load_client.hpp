@@ -21,7 +21,7 @@ struct PreparedFrame {
   std::vector<std::uint32_t> labels;       ///< of a local run; empty unless labels are verified
 };
 
-/// What all clients of a load test share. Nobody changes it while they run.
+/// Everything that the clients of a load test share. It does not change while they run.
 struct LoadSetup {
   const LoadOptions& options;
   const FrameSource& source;

@@ -18,7 +18,7 @@
 
 namespace segserve::client {
 
-/// What the transport shall do with a connection.
+/// An order to the transport.
 struct LinkAction {
   enum Kind {
     kOpen,         ///< connect to `address`
@@ -82,7 +82,7 @@ class ServerLinks {
   /// The transport says that a connection has ended with `status`. Nothing if it is unknown.
   std::optional<End> on_closed(ConnectionId id, const absl::Status& status, Time now);
 
-  /// What the transport shall do, since this was asked last.
+  /// The orders to the transport since the last call.
   std::vector<LinkAction> take_actions() { return std::exchange(actions_, {}); }
 
  private:

@@ -57,7 +57,7 @@ class StreamProtocol {
   /// True after end(), once nothing will be sent any more.
   bool wants_half_close() const;
 
-  /// What a message from the server meant.
+  /// The meaning of a message from the server.
   struct Event {
     enum Kind { kNothing, kOpened, kDraining, kBegun, kOutcome } kind = kNothing;
     std::uint64_t sequence = 0;     ///< kBegun, kOutcome

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace segserve::client {
 
-/// A small table with objects, points without depth included.
+/// A small table with objects. Some points have no depth.
 inline Cloud table_scene() {
   synth::SceneOptions options;
   options.width = 160;
@@ -17,7 +18,7 @@ inline Cloud table_scene() {
   return std::move(scene->cloud);
 }
 
-/// A flat, grey, organised patch: it compresses well.
+/// A flat, gray, organized patch, which compresses well.
 inline Cloud flat_cloud(std::uint32_t width, std::uint32_t height) {
   Cloud cloud;
   cloud.resize(std::size_t{width} * height, true);
@@ -32,7 +33,7 @@ inline Cloud flat_cloud(std::uint32_t width, std::uint32_t height) {
   return cloud;
 }
 
-/// Coordinates that no compressor makes small.
+/// A row of points whose coordinates no compressor makes small.
 inline Cloud incompressible_cloud(std::uint32_t points) {
   Cloud cloud = flat_cloud(points, 1);
   std::uint32_t state = 1;

@@ -2,16 +2,14 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "client/calls/local.hpp"
 #include "client/calls/payload_data.hpp"
+#include "core/base/mutex.hpp"
 #include "fmt/format.h"
 #include "grpcpp/security/server_credentials.h"
 #include "grpcpp/server.h"
@@ -28,19 +26,19 @@
 
 namespace segserve::client {
 
-/// A server that speaks stream.proto, one frame after the other, and misbehaves as told.
+/// A server for streams that handles one frame after the other and misbehaves as the test says.
 class FakeServer final : public v1::SegmentationService::Service {
  public:
   enum Answer {
-    kResult,         ///< what core says
-    kDamagedResult,  ///< with one byte flipped
-    kChecksum,       ///< ABORTED, as if the payload had been damaged
-    kBusy,           ///< RESOURCE_EXHAUSTED with RetryInfo
-    kInvalid,        ///< INVALID_ARGUMENT
-    kDropped,        ///< DROPPED
-    kBreak,          ///< ends the call, CANCELLED, as a server that is killed does
-    kUnknownFrame,   ///< breaks the protocol
-    kNothing,        ///< never says anything about this frame
+    kResult,         ///< segments the frame
+    kDamagedResult,  ///< segments the frame and announces a wrong checksum
+    kChecksum,       ///< fails the frame with ABORTED, as if its payload had been damaged
+    kBusy,           ///< fails the frame with RESOURCE_EXHAUSTED and RetryInfo
+    kInvalid,        ///< fails the frame with INVALID_ARGUMENT
+    kDropped,        ///< drops the frame
+    kBreak,          ///< ends the call with CANCELLED, as a server that is killed does
+    kUnknownFrame,   ///< ends a frame that was never sent, which breaks the protocol
+    kNothing,        ///< says nothing about the frame
   };
   using Stream = grpc::ServerReaderWriter<v1::SegmentStreamResponse, v1::SegmentStreamRequest>;
 
@@ -51,23 +49,24 @@ class FakeServer final : public v1::SegmentationService::Service {
 
   const std::string& address() const { return address_; }
 
-  /// Decides about a frame; called by the thread of its stream.
+  /// Says what to do with a frame. Called by the thread of its stream.
   std::function<Answer(const v1::FrameHeader&)> answer = [](const auto&) { return kResult; };
   /// Called before a frame is answered.
   std::function<void()> before_answer = [] {};
   std::atomic<std::uint32_t> credit_frames{4};
   std::atomic<std::uint64_t> credit_bytes{64U << 20U};
-  std::atomic<bool> refuses_streams{false};  ///< UNIMPLEMENTED
-  std::atomic<bool> drains{false};           ///< says StreamDraining when it answers next, and takes no more frames
+  std::atomic<bool> refuses_streams{false};  ///< with UNIMPLEMENTED
+  std::atomic<bool> drains{false};           ///< says so before its next answer, and takes no more frames
+  /// How many streams were opened, headers and cancels came, and results were sent, so far.
   std::atomic<int> streams{0}, frames{0}, cancels{0}, answered{0};
 
-  /// Neither answers nor takes anything, like a machine whose cable was cut.
+  /// From now on the server neither answers nor reads, like a machine whose cable was cut.
   void go_silent() { silent_ = true; }
 
-  /// Closes at once; streams break.
-  void stop() {
+  /// Shuts down at once, which breaks all streams.
+  void stop() ABSL_LOCKS_EXCLUDED(mutex_) {
     {
-      const std::lock_guard lock(mutex_);
+      const MutexLock lock(mutex_);
       stopped_ = true;
       changed_.notify_all();
     }
@@ -75,9 +74,13 @@ class FakeServer final : public v1::SegmentationService::Service {
     server_.reset();
   }
 
-  /// Listens again where it did.
-  void restart() {
-    stopped_ = silent_ = drains = false;
+  /// After stop(): listens at the same address again.
+  void restart() ABSL_LOCKS_EXCLUDED(mutex_) {
+    {
+      const MutexLock lock(mutex_);
+      stopped_ = false;
+    }
+    silent_ = drains = false;
     start(address_);
   }
 
@@ -142,9 +145,9 @@ class FakeServer final : public v1::SegmentationService::Service {
     address_ = fmt::format("127.0.0.1:{}", port);
   }
 
-  void wait_while_silent() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return !silent_ || stopped_; });
+  void wait_while_silent() ABSL_LOCKS_EXCLUDED(mutex_) {
+    const MutexLock lock(mutex_);
+    while (silent_ && !stopped_) changed_.wait(mutex_);
   }
 
   static absl::Status draining() {
@@ -203,7 +206,7 @@ class FakeServer final : public v1::SegmentationService::Service {
       case kDamagedResult:
         break;
     }
-    ++answered;  // before the client can know
+    ++answered;  // before the client can see the result
     send_result(stream, open, header, what == kDamagedResult);
     return true;
   }
@@ -232,9 +235,9 @@ class FakeServer final : public v1::SegmentationService::Service {
     }
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  bool stopped_ = false;
+  Mutex mutex_;
+  CondVar changed_;
+  bool stopped_ ABSL_GUARDED_BY(mutex_) = false;
   std::atomic<bool> silent_{false};
   std::string address_;
   std::unique_ptr<grpc::Server> server_;

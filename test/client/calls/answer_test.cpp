@@ -1,4 +1,5 @@
-// What the client makes of answers that a good server does not give.
+// SPDX-License-Identifier: Apache-2.0
+// How the client takes answers that a good server does not give.
 #include <chrono>
 #include <functional>
 #include <memory>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // The client library against a real server in this process.
 #include "segserve/client/client.hpp"
 
@@ -25,7 +26,7 @@ namespace {
 using std::chrono::milliseconds;
 using testing::HasSubstr;
 
-/// Nobody listens there: port 1 is not for us.
+/// No server listens there.
 constexpr const char* kNobody = "127.0.0.1:1";
 
 class ClientTest : public testing::Test {

@@ -1,4 +1,5 @@
-// Clouds far beyond what one message takes, to a server with its default limits and back.
+// SPDX-License-Identifier: Apache-2.0
+// Clouds that are far too large for one message, to a server with its default limits and back.
 #include <chrono>
 #include <cmath>
 
@@ -12,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kPoints = 10'000'000;
 
-/// Ten metres of coloured stairs, point by point as a scanner would turn them in.
+/// Ten meters of colored stairs, in the order in which a scanner would measure them.
 Cloud stairs(std::uint32_t points) {
   constexpr std::uint32_t kRow = 2500;
   Cloud cloud;
@@ -31,7 +32,7 @@ Cloud stairs(std::uint32_t points) {
   return cloud;
 }
 
-TEST(LargeCloud, OfTenMillionPointsPassesBothWays) {
+TEST(LargeCloud, TenMillionPointsPassBothWays) {
   server::ServerOptions server_options;
   server_options.listen = "127.0.0.1:0";
   const auto server = server::Server::start(server_options).value();
@@ -48,7 +49,7 @@ TEST(LargeCloud, OfTenMillionPointsPassesBothWays) {
   ASSERT_TRUE(local.ok()) << local.status();
   EXPECT_GE(local->segments, 4U);
   EXPECT_EQ(remote->segmentation.labels.size(), kPoints);
-  EXPECT_TRUE(remote->segmentation.labels == local->labels);  // not EQ: it would print them
+  EXPECT_TRUE(remote->segmentation.labels == local->labels);  // EXPECT_EQ would print them
   EXPECT_TRUE(remote->segmentation.supervoxels == local->supervoxels);
   EXPECT_TRUE(remote->segmentation.tree == local->tree);
 }

@@ -1,4 +1,5 @@
-// What is sent, and what is refused before that.
+// SPDX-License-Identifier: Apache-2.0
+// Which requests are made, and which are refused before they are sent.
 #include "client/calls/request.hpp"
 
 #include <string>
@@ -46,7 +47,7 @@ TEST(Request, ALargeCloudIsRefusedIfItMustNotBeCompressed) {
 }
 
 TEST(Request, NothingAboveTheLimitPasses) {
-  // Around the limit the few bytes around the planes decide; 15 bytes make a point.
+  // Each point has 15 bytes. Near the limit the few bytes around the planes decide.
   const auto most = static_cast<std::uint32_t>(wire::kMaxRequestBytes / 15);
   for (const std::uint32_t points : {most - 100, most - 1, most, most + 1}) {
     const auto request = cloud_request(incompressible_cloud(points), {}, {.compress = Compress::kNever});

@@ -1,4 +1,5 @@
-// Saved results: exact, and safe against anything that is not one.
+// SPDX-License-Identifier: Apache-2.0
+// Saved results are exact, and decoding anything else is safe.
 #include "segserve/client/result_file.hpp"
 
 #include <cstdint>
@@ -28,7 +29,7 @@ std::string saved() {
   return kBytes;
 }
 
-/// The message of the refusal.
+/// Decodes what is no saved result; returns the message of the refusal.
 std::string refusal(std::string_view bytes) {
   const auto result = decode_result_file(bytes);
   EXPECT_TRUE(absl::IsInvalidArgument(result.status())) << result.status();
@@ -49,7 +50,7 @@ TEST(ResultFile, KeepsEverythingThatACutNeeds) {
   EXPECT_EQ(after->server_version, "1.2.3");
 }
 
-TEST(ResultFile, KeepsWhatIsKnownOfTheSegments) {
+TEST(ResultFile, KeepsTheStatisticsOfTheSegments) {
   Result before = make_result(table_scene());
   ASSERT_TRUE(describe(table_scene(), 1, {}, before.segmentation).ok());
   const auto after = decode_result_file(encode_result_file(before).value());
@@ -112,7 +113,8 @@ TEST(ResultFile, RefusesHeadersThatLie) {
   refusal("segserve-result 2 3 zz\nabc");
   refusal("segserve-result 2 3\nabc");
   refusal("segserve-result 2 0 00000000 more\n");
-  EXPECT_THAT(refusal("segserve-result 2 0 00000000\n"), HasSubstr("damaged"));  // well formed, but no result inside
+  EXPECT_THAT(refusal("segserve-result 2 0 00000000\n"),
+              HasSubstr("damaged"));  // the header is well formed, but there is no result
 }
 
 }  // namespace

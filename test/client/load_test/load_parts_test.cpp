@@ -1,4 +1,5 @@
-// What `segctl bench` measures with.
+// SPDX-License-Identifier: Apache-2.0
+// The parts of the load test behind `segctl bench`.
 #include <cmath>
 #include <vector>
 
@@ -53,7 +54,8 @@ TEST(Arrivals, PoissonOnesHaveTheRateAndTheSpreadOfAPoissonProcess) {
   double square = 0;
   for (const double gap : gaps) square += (gap - mean) * (gap - mean);
   EXPECT_NEAR(mean, 0.02, 0.001);
-  EXPECT_NEAR(std::sqrt(square / kCount), mean, 0.05 * mean);  // of an exponential: the mean
+  EXPECT_NEAR(std::sqrt(square / kCount), mean,
+              0.05 * mean);  // the deviation of an exponential distribution is its mean
   EXPECT_EQ(Arrivals::poisson(50, 7).next(), Arrivals::poisson(50, 7).next());
   EXPECT_NE(Arrivals::poisson(50, 7).next(), Arrivals::poisson(50, 8).next());
 }
@@ -129,7 +131,7 @@ TEST(Report, TheStagesAddUpToTheWholeTime) {
   for (std::size_t i = 0; i + 1 < kStages.size(); ++i) sum += report.mean_stage_ms(i);
   EXPECT_EQ(report.mean_stage_ms(kStages.size() - 1), 20);
   EXPECT_EQ(sum, 20);
-  EXPECT_EQ(report.mean_stage_ms(kStages.size() - 2), 10);  // the rest
+  EXPECT_EQ(report.mean_stage_ms(kStages.size() - 2), 10);  // "rest"
   EXPECT_EQ(report.latency.percentile(50), 30);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `segctl bench`'s load, in one process with the server.
+// The load test behind `segctl bench`, in one process with the server.
 #include "client/load_test/load.hpp"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<std::shared_ptr<const Cloud>> scenes(std::size_t count) {
   return clouds;
 }
 
-/// All that a server accepts as it comes.
+/// All encodings that a server accepts without flags.
 std::vector<Encoding> all_encodings() {
   std::vector<Encoding> encodings;
   for (const wire::CodecInfo& info : wire::codecs()) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "client/stream/outgoing_message.hpp"
 
 #include <cstdint>
@@ -33,19 +34,19 @@ TEST(OutgoingMessage, AChunkIsWrittenAsProtobufWritesIt) {
   }
 }
 
-TEST(OutgoingMessage, OtherMessagesAreThemselves) {
+TEST(OutgoingMessage, OtherMessagesAreWrittenAsTheyAre) {
   OutgoingMessage outgoing;
   outgoing.message.mutable_frame()->set_frame_id("camera");
   EXPECT_EQ(wire_bytes(outgoing), outgoing.message.SerializeAsString());
   EXPECT_EQ(byte_size(outgoing), outgoing.message.ByteSizeLong());
 }
 
-TEST(OutgoingMessage, DataAreSharedUntilTheyAreSent) {
+TEST(OutgoingMessage, SharesTheDataUntilTheyAreSent) {
   auto bytes = std::make_shared<std::string>(1000, 'x');
   OutgoingMessage outgoing = chunk(1, bytes);
   grpc::ByteBuffer buffer = serialize(outgoing);
   outgoing = {};
-  EXPECT_EQ(bytes.use_count(), 2) << "the buffer's";
+  EXPECT_EQ(bytes.use_count(), 2) << "only the buffer shares the data";
   {
     std::vector<grpc::Slice> slices;
     ASSERT_TRUE(buffer.Dump(&slices).ok());

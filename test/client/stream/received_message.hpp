@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -9,7 +10,7 @@
 
 namespace segserve::client {
 
-/// The bytes as gRPC gets them, in one piece.
+/// The bytes that gRPC gets, in one piece.
 inline std::string wire_bytes(const OutgoingMessage& outgoing) {
   const grpc::ByteBuffer buffer = serialize(outgoing);
   std::vector<grpc::Slice> slices;
@@ -19,7 +20,7 @@ inline std::string wire_bytes(const OutgoingMessage& outgoing) {
   return bytes;
 }
 
-/// The message as the server gets it.
+/// The message that the server gets.
 inline v1::SegmentStreamRequest received(const OutgoingMessage& outgoing) {
   v1::SegmentStreamRequest message;
   EXPECT_TRUE(message.ParseFromString(wire_bytes(outgoing)));

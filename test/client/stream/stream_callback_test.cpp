@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// StreamOptions::on_outcome: what it gets, and that a callback that takes its time holds up nothing but later
-// callbacks.
+// StreamOptions::on_outcome gets every outcome. A callback that takes its time delays nothing but later callbacks.
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <future>
 #include <map>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -41,6 +39,21 @@ TEST_F(StreamCallbackTest, GetsEveryOutcomeInOrder) {
   EXPECT_FALSE(stream.next().has_value());
   EXPECT_TRUE(stream.done());
   EXPECT_THAT(sequences, testing::ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9, 10));
+}
+
+TEST_F(StreamCallbackTest, MaySendTheNextFrame) {
+  Stream* stream = nullptr;
+  std::vector<OutcomeKind> kinds;
+  const auto on_outcome = [&](const Outcome& outcome) {
+    kinds.push_back(outcome.kind);
+    if (outcome.sequence == 5) return stream->finish();
+    EXPECT_TRUE(stream->send(flat_cloud(20, 20)).ok());
+  };
+  Stream opened = open({.max_in_flight = 1, .on_outcome = on_outcome});
+  stream = &opened;
+  EXPECT_TRUE(stream->send(flat_cloud(20, 20)).ok());
+  EXPECT_FALSE(stream->next().has_value());
+  EXPECT_EQ(kinds, std::vector<OutcomeKind>(5, OutcomeKind::kResult));
 }
 
 TEST_F(StreamCallbackTest, GetsTheCancelledFramesOfAStreamThatIsDestroyed) {

@@ -1,4 +1,5 @@
-// One connection's side of the protocol: what is sent, and what a server may not do.
+// SPDX-License-Identifier: Apache-2.0
+// One connection: which messages the client sends, and which messages of a server break the protocol.
 #include "client/stream/stream_protocol.hpp"
 
 #include <string>
@@ -58,7 +59,7 @@ class StreamProtocolTest : public testing::Test {
     return absl::IsInternal(event.status());
   }
 
-  Payload payload_ = *cloud_payload(flat_cloud(10, 10));  // 400, 400, 400, 300 bytes
+  Payload payload_ = *cloud_payload(flat_cloud(10, 10));  // x, y, z and colors: 400 + 400 + 400 + 300 bytes
   StreamProtocol protocol_{v1::StreamOpen()};
 };
 
@@ -67,7 +68,7 @@ TEST_F(StreamProtocolTest, CutsAPayloadIntoChunksThatFitItsChecksum) {
   const auto messages = sent();
   ASSERT_GT(messages.size(), 10U);
   const v1::FrameHeader& header = messages[0].frame();
-  EXPECT_EQ(header.sequence(), 1U);  // numbers on the wire are the connection's own
+  EXPECT_EQ(header.sequence(), 1U);  // the number on the wire, not the sequence
   std::string bytes;
   for (std::size_t i = 1; i < messages.size(); ++i) {
     EXPECT_LE(messages[i].chunk().data().size(), 150U);
@@ -85,7 +86,7 @@ TEST_F(StreamProtocolTest, OneUploadAfterTheOther) {
   EXPECT_TRUE(protocol_.has_turn());
   protocol_.begin(2, {}, payload_);
   sent();
-  EXPECT_FALSE(protocol_.has_turn());  // credit for two
+  EXPECT_FALSE(protocol_.has_turn());  // the credit is for two frames
 }
 
 TEST_F(StreamProtocolTest, CreditInBytesIsBackAfterTheLastByteOfTheAnswer) {
@@ -146,8 +147,8 @@ TEST_F(StreamProtocolTest, EndsWhenTheUploadIsThrough) {
 TEST_F(StreamProtocolTest, AServerMustKeepToTheProtocol) {
   protocol_.begin(1, {}, payload_);
   sent();
-  EXPECT_TRUE(is_refused(outcome(2, 0)));  // no such frame
-  EXPECT_TRUE(is_refused(chunk(1, 1)));    // no result
+  EXPECT_TRUE(is_refused(outcome(2, 0)));  // there is no such frame
+  EXPECT_TRUE(is_refused(chunk(1, 1)));    // there is no result
   Response twice;
   twice.mutable_opened()->mutable_credit()->set_frames(1);
   EXPECT_TRUE(is_refused(twice));
@@ -159,16 +160,16 @@ TEST_F(StreamProtocolTest, AServerMustKeepToTheProtocol) {
   monstrous.mutable_outcome()->set_encoded_bytes(~0ULL);
   EXPECT_TRUE(is_refused(monstrous));
 
-  constexpr std::size_t kMost = 100 * 28 + (64 << 10U);  // of 100 points
+  constexpr std::size_t kMost = 100 * 28 + (64 << 10U);  // for 100 points
   EXPECT_TRUE(is_refused(outcome(1, kMost + 1)));
   Response long_but_possible = outcome(1, kMost);
   EXPECT_TRUE(StreamProtocol(protocol_).receive(long_but_possible).ok());
 
   Response begun = outcome(1, 20);
   ASSERT_TRUE(protocol_.receive(begun).ok());
-  EXPECT_TRUE(is_refused(chunk(1, 21)));    // too long
-  EXPECT_TRUE(is_refused(chunk(2, 5)));     // of another
-  EXPECT_TRUE(is_refused(outcome(1, 20)));  // in between
+  EXPECT_TRUE(is_refused(chunk(1, 21)));    // it is too long
+  EXPECT_TRUE(is_refused(chunk(2, 5)));     // it belongs to another frame
+  EXPECT_TRUE(is_refused(outcome(1, 20)));  // it interrupts a result
 }
 
 TEST(StreamProtocol, NothingComesBeforeOpened) {

@@ -1,4 +1,5 @@
-// What a stream decides about frames, without transport: the test is the clock and the server.
+// SPDX-License-Identifier: Apache-2.0
+// How a stream schedules frames. The test is the clock, the transport and the servers.
 #include "gmock/gmock.h"
 #include "test/client/stream/stream_harness.hpp"
 
@@ -19,7 +20,7 @@ TEST(StreamScheduler, OpensAtOnceAndSendsNothingBeforeTheServerAgrees) {
   EXPECT_TRUE(before[0].has_open());
   stream.open();
   const auto after = stream.sent();
-  ASSERT_EQ(after.size(), 5U);  // header, x, y, z, rgb
+  ASSERT_EQ(after.size(), 5U);  // the header and the chunks of x, y, z and colors
   EXPECT_TRUE(after[0].has_frame());
   EXPECT_EQ(after[0].frame().encoded_bytes(), 1500U);
   EXPECT_TRUE(after[0].frame().cloud().planar().x().data().empty());
@@ -33,7 +34,7 @@ TEST(StreamScheduler, KeepsToTheServersCreditAndItsOwnWindow) {
   for (int i = 0; i < 5; ++i) narrow.send();
   EXPECT_EQ(narrow.begun(), 2U);
   narrow.end(1);
-  EXPECT_EQ(narrow.begun(), 0U);  // nobody took the result yet
+  EXPECT_EQ(narrow.begun(), 0U);  // the result was not taken yet
   EXPECT_EQ(narrow.taken().size(), 1U);
   EXPECT_EQ(narrow.begun(), 1U);
 
@@ -45,7 +46,7 @@ TEST(StreamScheduler, KeepsToTheServersCreditAndItsOwnWindow) {
   EXPECT_EQ(wide.begun(), 1U);
 
   StreamHarness small({.max_in_flight = 10, .max_waiting = 10});
-  small.open(10, 3200);  // two frames of 1500 bytes
+  small.open(10, 3200);  // enough for two frames of 1500 bytes
   for (int i = 0; i < 5; ++i) small.send();
   EXPECT_EQ(small.begun(), 2U);
   small.end(2);
@@ -62,6 +63,9 @@ TEST(StreamScheduler, BlockWaitsRejectRefusesDropOldestDrops) {
   StreamHarness reject({.when_behind = WhenBehind::kReject, .max_waiting = 1});
   reject.send();
   EXPECT_EQ(reject.scheduler_.admission(), StreamScheduler::Admission::kRefused);
+  EXPECT_TRUE(absl::IsResourceExhausted(reject.scheduler_.refusal()));
+  reject.scheduler_.finish_sending();
+  EXPECT_TRUE(absl::IsFailedPrecondition(reject.scheduler_.refusal()));
 
   StreamHarness drop({.when_behind = WhenBehind::kDropOldest, .max_waiting = 2});
   for (int i = 0; i < 4; ++i) {
@@ -107,11 +111,11 @@ TEST(StreamScheduler, ResultsThatCameEarlyDoNotShutOutTheOneTheyWaitFor) {
   for (int i = 0; i < 3; ++i) stream.send();
   EXPECT_EQ(stream.begun(), 2U);
   stream.fail(1, absl::AbortedError("crc"));
-  EXPECT_EQ(stream.begun(), 1U);  // frame 3, as number 3, while 1 waits
+  EXPECT_EQ(stream.begun(), 1U);  // frame 3 has number 3 on the wire, while frame 1 waits
   stream.end(2);
   stream.end(3);
   stream.pass(milliseconds(1000));
-  EXPECT_EQ(stream.begun(), 1U);  // frame 1 again
+  EXPECT_EQ(stream.begun(), 1U);  // frame 1 has number 4
   stream.end(4);
   EXPECT_EQ(stream.taken().size(), 3U);
 }

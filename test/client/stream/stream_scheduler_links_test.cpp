@@ -1,4 +1,5 @@
-// What a stream decides about connections, without transport: the test is the clock and the server.
+// SPDX-License-Identifier: Apache-2.0
+// How a stream makes and gives up connections. The test is the clock, the transport and the servers.
 #include "gmock/gmock.h"
 #include "proto/wire/status_message.hpp"
 #include "test/client/stream/stream_harness.hpp"
@@ -16,7 +17,7 @@ TEST(StreamScheduler, ABrokenConnectionMovesItsFramesToTheNextAddress) {
   stream.send();
   stream.send();
   EXPECT_EQ(stream.begun(), 2U);
-  stream.close(absl::CancelledError(""));  // as a server that shuts down does
+  stream.close(absl::CancelledError(""));  // a server that shuts down ends calls so
   stream.open();
   ASSERT_EQ(stream.actions_.size(), 2U);
   EXPECT_EQ(stream.actions_[0].address, 0U);
@@ -145,6 +146,7 @@ TEST(StreamScheduler, AnErrorThatEveryServerWouldRepeatEndsTheStream) {
   stream.close(absl::InvalidArgumentError("options.lambda: 7"));
   EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
   EXPECT_EQ(stream.scheduler_.admission(), StreamScheduler::Admission::kRefused);
+  EXPECT_TRUE(absl::IsInvalidArgument(stream.scheduler_.refusal()));
   EXPECT_TRUE(stream.scheduler_.exhausted());
   stream.act();
   EXPECT_EQ(stream.connections_.size(), 1U);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Streams against real servers in this process.
 #include <algorithm>
 #include <atomic>
@@ -35,7 +36,7 @@ Client client_of(std::initializer_list<const server::Server*> servers) {
   return *Client::connect({.address = addresses});
 }
 
-/// Hands over many frames of the same cloud in a thread of its own.
+/// Starts a thread that sends the same cloud many times.
 std::thread sender_of(Stream& stream, const Cloud& cloud, int count) {
   return std::thread([&stream, &cloud, count] {
     for (int i = 0; i < count; ++i) EXPECT_TRUE(stream.send(cloud).ok());
@@ -80,10 +81,10 @@ TEST(StreamAndServer, ASharedCloudIsSentFromWhereItIsAndGivenBack) {
       const auto outcome = stream->next();
       ASSERT_EQ(outcome->kind, OutcomeKind::kResult) << outcome->status;
       EXPECT_EQ(outcome->result->segmentation.labels, local->labels);
-      // gRPC lets go of what it has sent in a thread of its own.
+      // gRPC releases what it has sent on another thread, and later.
       for (int i = 0; i < 3000 && cloud.use_count() > 1; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      EXPECT_EQ(cloud.use_count(), 1) << "nobody holds it after its outcome";
+      EXPECT_EQ(cloud.use_count(), 1) << "the cloud is released after its outcome";
     }
     auto wrong = std::make_shared<Cloud>(*cloud);
     wrong->y.pop_back();

@@ -1,4 +1,5 @@
-// Streams against servers that misbehave: every frame ends exactly once, and none is lost.
+// SPDX-License-Identifier: Apache-2.0
+// Streams against servers that misbehave. Every frame ends exactly once, and none is lost.
 #include "segserve/client/stream.hpp"
 
 #include <chrono>
@@ -33,7 +34,7 @@ class StreamTest : public testing::Test {
     return options;
   }
 
-  /// Sends and reads until everything has its outcome, in one thread.
+  /// Sends the frames on a thread of its own, and returns all outcomes.
   static std::vector<Outcome> run(Stream& stream, const std::vector<Cloud>& frames) {
     std::vector<Outcome> outcomes;
     std::thread sender([&] {

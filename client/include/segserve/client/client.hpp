@@ -34,8 +34,7 @@ struct ClientOptions {
   /// The deadline of a call that sets none of its own, all its repetitions included; above 0. The server stops
   /// computing when it passes.
   std::chrono::milliseconds timeout = std::chrono::seconds(30);
-  /// What a call does when no address is in reach: true, it waits for one until its deadline; false, it fails with
-  /// UNAVAILABLE.
+  /// When no address is in reach: true, a call waits for one until its deadline; false, it fails with UNAVAILABLE.
   bool wait_for_server = false;
   /// How calls are repeated that fail with UNAVAILABLE or RESOURCE_EXHAUSTED, at another address if there is one.
   RetryOptions retry = {};

@@ -14,14 +14,14 @@
 
 namespace segserve::client {
 
-/// What happens to frames that come faster than they are segmented.
+/// Says what happens to frames that come faster than they are segmented.
 enum class WhenBehind : std::uint8_t {
   kBlock,       ///< send() waits; nothing is lost
   kDropOldest,  ///< the oldest frame that waits ends as kDropped: for robots that want the newest scene
   kReject,      ///< send() fails with RESOURCE_EXHAUSTED
 };
 
-/// In which order outcomes come.
+/// The order in which outcomes come.
 enum class Order : std::uint8_t {
   kSent,  ///< in the order of send()
   kDone,  ///< as soon as each is known
@@ -63,8 +63,8 @@ struct StreamOptions {
   std::chrono::milliseconds progress_timeout{5000};
 
   RetryOptions retry = {};
-  /// What frames do when no address is in reach: true, they wait until one is or their time is over; false, they fail
-  /// with UNAVAILABLE.
+  /// When no address is in reach: true, frames wait until one is or their time is over; false, they fail with
+  /// UNAVAILABLE.
   bool wait_for_server = true;
   /// Whether frames are segmented in this process, by the same core, when no address is in reach.
   bool fallback_to_local = false;
