@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
 # A Docker engine and the base image, where there are none: for our scripts; after deploy/common.sh.
 

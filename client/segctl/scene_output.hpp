@@ -12,7 +12,7 @@
 
 namespace segserve::segctl {
 
-/// The flags that ask for a labeled cloud and its pictures: --output, --encoding, --color, --drop-unlabelled, --picture
+/// The flags that ask for a labeled cloud and its pictures: --output, --encoding, --color, --drop-unlabeled, --picture
 /// and --plain-picture. It must outlive the parsing of the command line.
 class SceneOutput {
  public:

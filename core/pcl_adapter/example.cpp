@@ -1,6 +1,7 @@
+// SPDX-License-Identifier: Apache-2.0
 // Segments a PCD file with the types of PCL: segserve_pcl_example scene.pcd out.pcd
 //
-// out.pcd holds the same points and colours with a label each: 0 = not finite, 1, 2, .. segments
+// out.pcd holds the same points and colors with a label each: 0 = not finite, 1, 2, .. segments
 // by descending size.
 #include <pcl/io/pcd_io.h>
 

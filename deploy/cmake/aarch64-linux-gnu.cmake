@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # Cross-compiles for arm64 with Debian's compiler against a Debian sysroot, and runs the programs under qemu.
 # test/cpus makes the sysroot and names it: cmake -DCMAKE_TOOLCHAIN_FILE=.. -DSEGSERVE_SYSROOT=FOLDER
 set(CMAKE_SYSTEM_NAME Linux)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: Apache-2.0
 # What `cmake --install` puts where, so that find_package(segserve) works: one export set per component of the package.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/segserve)
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -32,7 +33,7 @@ const CodecInfo& info(Codec codec);
 
 /// The cloud in its own view, ready to be sent. Labels come back in the order of its points, whatever the codec.
 /// INVALID_ARGUMENT for what a codec cannot encode: quantised and Draco coordinates that are too large for the bound;
-/// RGB-D anything but an organised CAMERA cloud of a pinhole camera. A lossy message declares its error bound.
+/// RGB-D anything but an organized CAMERA cloud of a pinhole camera. A lossy message declares its error bound.
 absl::StatusOr<v1::Cloud> to_message(const CloudView& cloud, const CodecOptions& options);
 
 /// A kind of payload as the API's field is called: "pcd_file".

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -6,11 +7,11 @@
 
 #include "segserve/v1/cloud.pb.h"
 
-// What a stream needs to send a payload as a header without bytes, and the bytes afterwards.
+// What a stream needs to send a payload as a header without bytes, and the bytes afterward.
 namespace segserve::wire {
 
 /// The data of the blocks that the payload has, in the order in which a stream sends them (the order of the
-/// fields in their message: x, y, z, rgb; depth, colour). Empty without a payload. Valid while the message lives
+/// fields in their message: x, y, z, rgb; depth, color). Empty without a payload. Valid while the message lives
 /// and keeps its payload.
 std::vector<std::string*> payload_blocks(v1::Cloud& message);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -6,7 +7,7 @@
 
 #include "segserve/v1/result.pb.h"
 
-// What a stream needs to send a result as a message without bytes, and the bytes afterwards.
+// What a stream needs to send a result as a message without bytes, and the bytes afterward.
 namespace segserve::wire {
 
 /// The data of the blocks that the result has, in the order in which a stream sends them (the order in which

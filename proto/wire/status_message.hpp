@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <chrono>
@@ -45,7 +46,7 @@ google::rpc::Status to_message(const absl::Status& status);
 /// The code, the message and every detail we know; foreign details are dropped.
 absl::Status from_message(const google::rpc::Status& message);
 
-/// For a server's unary call: to_message, serialised, as the details of gRPC's status.
+/// For a server's unary call: to_message, serialized, as the details of gRPC's status.
 grpc::Status to_grpc(const absl::Status& status);
 
 /// For a client's: the code, the message and what from_message finds in the details. gRPC's own refusal of a message

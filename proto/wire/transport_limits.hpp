@@ -1,10 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
 
 namespace segserve::wire {
 
-/// A serialised SegmentRequest may have this many bytes; more must be streamed.
+/// A serialized SegmentRequest may have this many bytes; more must be streamed.
 inline constexpr std::uint64_t kMaxRequestBytes = std::uint64_t{8} << 20U;
 
 /// What server and client set as gRPC's receive limit. For the server it is a little above

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "test/pcl/pcl_peer.hpp"
 
 #include <pcl/point_cloud.h>

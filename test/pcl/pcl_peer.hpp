@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,7 @@ namespace segserve::pcl_peer {
 
 /// Of pcl::SupervoxelClustering. The defaults are those that suit LCCP on OSD best (core/lab/eval/README.md).
 struct VccsSettings {
-  float voxel_resolution = 0.0075F, seed_resolution = 0.03F;  ///< metres
+  float voxel_resolution = 0.0075F, seed_resolution = 0.03F;  ///< meters
   float color = 0, spatial = 1, normal = 4;                   ///< weights
 };
 
@@ -23,7 +24,7 @@ VccsSettings same_as(const Options& options);
 /// Of pcl::LCCPSegmentation, after its authors.
 struct LccpSettings {
   float concavity_degrees = 10, smoothness = 0.1F;
-  std::uint32_t k_factor = 0;                 ///< extended convexity: neighbours in common
+  std::uint32_t k_factor = 0;                 ///< extended convexity: neighbors in common
   std::uint32_t min_segment_supervoxels = 3;  ///< of a segment that is not absorbed
 };
 

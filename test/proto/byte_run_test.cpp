@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/byte_run.hpp"
 
 #include <array>
@@ -10,7 +11,7 @@ namespace {
 
 TEST(Crc32, IsTheOneOfZlibAndPng) {
   EXPECT_EQ(crc32(0, ""), 0U);
-  EXPECT_EQ(crc32(0, "123456789"), 0xCBF43926U);  // the check value of the catalogue of CRCs
+  EXPECT_EQ(crc32(0, "123456789"), 0xCBF43926U);  // the check value of the catalog of CRCs
   EXPECT_EQ(crc32(crc32(0, "1234"), "56789"), 0xCBF43926U);
 }
 

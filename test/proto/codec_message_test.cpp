@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/codec_message.hpp"
 
 #include <atomic>
@@ -25,8 +26,8 @@ using testing::Not;
 constexpr codec::DecodeLimits kAll{.max_points = 100'000, .max_bytes = 4'000'000, .draco = true};
 constexpr double kBound = 0.001;
 
-/// An organised frame of a pinhole camera whose points come in an order that no codec could restore if it lost it:
-/// depth and colour jump about, and every sixth point is not finite.
+/// An organized frame of a pinhole camera whose points come in an order that no codec could restore if it lost it:
+/// depth and color jump about, and every sixth point is not finite.
 Cloud frame(bool color, std::uint32_t width = 24, std::uint32_t height = 18) {
   std::mt19937 random(7);
   Cloud cloud;
@@ -67,7 +68,7 @@ TEST_P(EachCodec, PointsComeBackInTheirOrder) {
     EXPECT_EQ(got.height, cloud.height);
     EXPECT_EQ(got.view, cloud.view);
     EXPECT_EQ(got.has_color(), color);
-    // Neighbours differ by much more than the bound, so a point in another's place is seen.
+    // Neighbors differ by much more than the bound, so a point in another's place is seen.
     const double bound = GetParam().is_lossless ? 0 : message.error_bound();
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const bool finite = is_finite(cloud.x[i], cloud.y[i], cloud.z[i]);

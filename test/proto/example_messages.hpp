@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cmath>
@@ -10,7 +11,7 @@
 
 namespace segserve::wire {
 
-/// Six points in two rows, one of them not finite, all of different colours.
+/// Six points in two rows, one of them not finite, all of different colors.
 inline Cloud small_cloud() {
   Cloud cloud;
   cloud.x = {0.0F, 0.1F, 0.2F, -0.0F, 1e-30F, NAN};
@@ -64,7 +65,7 @@ inline MergeTree chain_tree(std::uint32_t leaves) {
   return complete(std::move(columns)).value();
 }
 
-/// Of two segments with 4 and 1 points; only the first has colour and normal.
+/// Of two segments with 4 and 1 points; only the first has color and normal.
 inline std::vector<SegmentStatistics> small_statistics() {
   SegmentStatistics first, second;
   first.points = 4;

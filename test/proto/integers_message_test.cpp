@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/integers_message.hpp"
 
 #include "gmock/gmock.h"

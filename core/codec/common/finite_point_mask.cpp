@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/common/finite_point_mask.hpp"
 
 #include <bit>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/common/point_columns.hpp"
 
 #include <fmt/format.h>
@@ -46,7 +47,7 @@ std::uint32_t to_channel(T value) {
   }
 }
 
-// Fills in one of the three bytes of a colour that is 0 before.
+// Fills in one of the three bytes of a color that is 0 before.
 void read_channel(const Column& column, unsigned shift, StopCheck& check, std::vector<std::uint32_t>& out) {
   for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] |= to_channel(value) << shift; });
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -19,8 +20,8 @@ namespace segserve::codec {
 /// Which of a file's fields (by index) mean something to us.
 struct Roles {
   std::array<std::size_t, 3> position{};               ///< x y z
-  std::optional<std::size_t> packed;                   ///< colour as 0xAARRGGBB
-  std::optional<std::array<std::size_t, 3>> channels;  ///< colour as red, green and blue
+  std::optional<std::size_t> packed;                   ///< color as 0xAARRGGBB
+  std::optional<std::array<std::size_t, 3>> channels;  ///< color as red, green and blue
   std::optional<std::size_t> label;
 
   /// All of them, each once.
@@ -44,7 +45,7 @@ struct Column {
 
 /// Converts the columns to a cloud of `points` x 1 (the caller sets its shape and view) and labels.
 /// The caller has checked that the columns lie within bytes at hand, and their types: a float for
-/// positions, 4 bytes for packed colour. INVALID_ARGUMENT for a label that is not a 32-bit integer.
+/// positions, 4 bytes for packed color. INVALID_ARGUMENT for a label that is not a 32-bit integer.
 absl::Status read_columns(const Roles& roles, const std::function<Column(std::size_t field)>& column,
                           std::size_t points, LabelledCloud& out, const StopToken& stop = {});
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/common/text_parsing.hpp"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/draco.hpp"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@
 namespace segserve::codec {
 namespace {
 
-constexpr std::uint64_t kPointBytes = 15;  // of a decoded point: 3 floats and a colour
+constexpr std::uint64_t kPointBytes = 15;  // of a decoded point: 3 floats and a color
 
 absl::Status fault(std::string_view message) { return absl::InvalidArgumentError(fmt::format("Draco: {}", message)); }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // segserve::codec built without Draco.
 #include "segserve/codec/draco.hpp"
 

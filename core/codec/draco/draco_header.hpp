@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,7 @@ namespace segserve::codec {
 /// What a Draco file says before its data.
 struct DracoHeader {
   std::uint32_t points = 0;
-  unsigned color_components = 0;  ///< 0: no colour
+  unsigned color_components = 0;  ///< 0: no color
 };
 
 /// Draco's decoder allocates whatever a file claims, so this reads the claims first. INVALID_ARGUMENT unless the file

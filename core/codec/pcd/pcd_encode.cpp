@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <lzf.h>
 
@@ -25,7 +26,7 @@ std::string encode_header(const CloudView& cloud, bool has_label, PcdEncoding en
     return fmt::format("{}{}{}", first_three, color ? rgb : "", has_label ? label : "");
   };
   const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
-  // Text of type F would make a NaN of some colours; PCL, too, writes an integer then.
+  // Text of type F would make a NaN of some colors; PCL, too, writes an integer then.
   std::string header = fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
       "FIELDS {}\nSIZE {}\nTYPE {}\nCOUNT {}\n",
@@ -51,7 +52,7 @@ void append_ascii(const CloudView& cloud, std::span<const std::uint32_t> label, 
   }
 }
 
-/// Copies a plane to every `stride`-th byte from `out`. Colours lose their top byte, so that none is a NaN.
+/// Copies a plane to every `stride`-th byte from `out`. Colors lose their top byte, so that none is a NaN.
 template <typename T>
 void scatter(std::span<const T> plane, char* out, std::size_t stride, std::uint32_t mask = 0xFFFFFFFFU) {
   static_assert(sizeof(T) == kValueBytes);

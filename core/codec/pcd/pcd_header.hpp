@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -33,7 +34,7 @@ struct PcdHeader {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::size_t points = 0;            ///< width * height
-  std::array<float, 3> viewpoint{};  ///< translation, metres
+  std::array<float, 3> viewpoint{};  ///< translation, meters
   bool identity_viewpoint = true;    ///< neither translation nor rotation
   PcdEncoding encoding = PcdEncoding::kAscii;
   std::size_t body_offset = 0;  ///< bytes from the begin of the file

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/planar.hpp"
 
 #include <fmt/format.h>
@@ -52,7 +53,7 @@ std::span<const float> floats_of(std::string_view bytes, std::vector<float>& ali
 
 constexpr std::uint32_t reversed(std::uint32_t v) { return __builtin_bswap32(v); }
 
-/// Points of colour that may be read four bytes at once: not the last, behind which there may be no byte.
+/// Points of color that may be read four bytes at once: not the last, behind which there may be no byte.
 constexpr std::size_t readable_as_words(std::size_t points) { return points == 0 ? 0 : points - 1; }
 
 std::uint32_t read_color(const char* bytes) {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/ply/ply_header.hpp"
 
 #include <fmt/format.h>
@@ -113,7 +114,7 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
   return fault("it ends without a line 'end_header'");
 }
 
-/// Colours are 0 to 255; a float might mean 0 to 1 as well, and nothing in the file tells.
+/// Colors are 0 to 255; a float might mean 0 to 1 as well, and nothing in the file tells.
 absl::Status check_roles(const PlyElement& vertex, const Roles& roles) {
   for (const std::size_t i : roles.fields()) {
     if (vertex.properties[i].length_type) return fault("property '{}' must not be a list", vertex.properties[i].name);

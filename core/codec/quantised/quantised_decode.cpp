@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
 #include <array>
@@ -40,7 +41,7 @@ void read_axis(unsigned plane_count, Bytes planes, std::size_t count, double ste
   }
 }
 
-/// The three colour planes, interleaved again.
+/// The three color planes, interleaved again.
 template <typename Put>
 void read_colors(Bytes planes, std::size_t count, StopCheck& check, Put put) {
   std::uint8_t r = 0;

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/quantised/quantised_header.hpp"
 
 #include <fmt/format.h>
@@ -15,7 +16,7 @@ namespace {
 constexpr std::string_view kMagic = "SEGQ";
 constexpr std::uint16_t kVersion = 1;
 constexpr std::uint8_t kColorFlag = 1;
-constexpr std::uint64_t kPointBytes = 15;  // of a decoded point: 3 floats and a colour
+constexpr std::uint64_t kPointBytes = 15;  // of a decoded point: 3 floats and a color
 constexpr std::size_t kColorChannels = 3;
 
 template <typename T>

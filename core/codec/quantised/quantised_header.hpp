@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <array>
@@ -21,13 +22,13 @@ struct QuantisedHeader {
   std::uint32_t finite = 0;              ///< points
   std::array<std::uint8_t, 3> planes{};  ///< bytes of a difference in x, y, z: 1 to 4; 0 if there is no finite point
   bool has_color = false;
-  double step = 0;         ///< of the grid, metres
-  double error_bound = 0;  ///< metres
+  double step = 0;         ///< of the grid, meters
+  double error_bound = 0;  ///< meters
 
   std::size_t points() const { return std::size_t{width} * height; }
   bool has_bitmap() const { return finite != points(); }
   std::size_t bitmap_bytes() const { return has_bitmap() ? codec::bitmap_bytes(points()) : 0; }
-  /// Of the zstd frame's content: bitmap, planes of the differences, planes of the colours.
+  /// Of the zstd frame's content: bitmap, planes of the differences, planes of the colors.
   std::size_t body_bytes() const;
 };
 

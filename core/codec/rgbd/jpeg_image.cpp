@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/rgbd/jpeg_image.hpp"
 
 #include <fmt/format.h>

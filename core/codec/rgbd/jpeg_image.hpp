@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -15,7 +16,7 @@ bool is_jpeg(std::string_view bytes);
 /// INVALID_ARGUMENT also for images that could be decoded only in part.
 absl::StatusOr<ColorImage> decode_jpeg(std::string_view bytes, const DecodeLimits& limits);
 
-/// `quality` is 1 to 100. Colour has half of the resolution (4:2:0).
+/// `quality` is 1 to 100. Color has half of the resolution (4:2:0).
 absl::StatusOr<std::string> encode_jpeg(const ColorImage& image, int quality);
 
 }  // namespace segserve::codec

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -23,7 +24,7 @@ struct GreyImage {
   std::vector<std::uint16_t> pixels;  ///< row by row
 };
 
-/// A grey PNG of 16 bits, its numbers as they are, whatever it says of gamma. INVALID_ARGUMENT for other PNGs.
+/// A gray PNG of 16 bits, its numbers as they are, whatever it says of gamma. INVALID_ARGUMENT for other PNGs.
 absl::StatusOr<GreyImage> decode_png_grey16(std::string_view bytes, const DecodeLimits& limits);
 
 struct ColorImage {
@@ -31,7 +32,7 @@ struct ColorImage {
   std::vector<std::uint8_t> rgb;  ///< R, G, B of each pixel
 };
 
-/// Any PNG in 8 bits a channel: palettes and grey are expanded, alpha is left out.
+/// Any PNG in 8 bits a channel: palettes and gray are expanded, alpha is left out.
 absl::StatusOr<ColorImage> decode_png_color(std::string_view bytes, const DecodeLimits& limits);
 
 /// `pixels` has width * height entries. INTERNAL if libpng fails.

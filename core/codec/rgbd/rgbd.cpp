@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/rgbd.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@
 namespace segserve::codec {
 namespace {
 
-/// Of a decoded point: 3 floats and a colour.
+/// Of a decoded point: 3 floats and a color.
 constexpr std::uint64_t kPointBytes = 16;
 
 /// The same status, its message with the image's name in front.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/rgbd_encode.hpp"
 
 #include <fmt/format.h>
@@ -38,7 +39,7 @@ void for_each_point(const CloudView& cloud, Function function) {
   }
 }
 
-/// Least squares of pixel = focal * slope + centre.
+/// Least squares of pixel = focal * slope + center.
 struct Line {
   double count = 0, slope = 0, pixel = 0, slope_slope = 0, slope_pixel = 0;
 
@@ -49,7 +50,7 @@ struct Line {
     slope_slope += s * s;
     slope_pixel += s * p;
   }
-  /// Focal length and centre; not finite if they are not determined.
+  /// Focal length and center; not finite if they are not determined.
   std::pair<double, double> solve() const {
     const double focal = (count * slope_pixel - slope * pixel) / (count * slope_slope - slope * slope);
     return {focal, (pixel - focal * slope) / count};

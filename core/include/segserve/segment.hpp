@@ -45,7 +45,7 @@ struct Segmentation {
   std::optional<SupportPlane> support_plane;        ///< set if its removal was asked for
   std::size_t voxels = 0;                           ///< that were segmented
   std::optional<double> threshold;                  ///< of the cut; unset if the caller asked for a number of regions
-  double lambda = 0;  ///< weight of colour that was used; of the paper's methods only (1/2 for Equalization)
+  double lambda = 0;  ///< weight of color that was used; of the paper's methods only (1/2 for Equalization)
   StageTimings timings;
 };
 

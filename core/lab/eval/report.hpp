@@ -32,7 +32,7 @@ struct Report {
   std::vector<SceneScores> per_scene;
 };
 
-/// One JSON object in one line: scenes, method, threshold, data, degradation, learnt, the means of all metrics, and
+/// One JSON object in one line: scenes, method, threshold, data, degradation, learned, the means of all metrics, and
 /// per_scene with the file and the metrics of each scene. A metric that is undefined is null.
 std::string to_json(const Report& report);
 

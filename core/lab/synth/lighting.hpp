@@ -11,7 +11,7 @@ namespace segserve::synth {
 class ShadowMap {
  public:
   /// The light at `from` covers a cone of `radius` meters around `to`; points outside of it are lit. The world is not
-  /// needed afterwards.
+  /// needed afterward.
   ShadowMap(const World& world, const Vec3& from, const Vec3& to, double radius);
 
   /// The share of the light, [0, 1], that reaches a point of a surface with this unit normal.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/pcl_adapter.hpp"
 
 #include <gmock/gmock.h>

@@ -37,7 +37,7 @@ void expect_near(const Vector3d& got, const Vector3d& expected, double tolerance
   EXPECT_LE((got - expected).norm(), tolerance) << got.transpose();
 }
 
-/// How far the point is outside the box, metres.
+/// How far the point is outside the box, meters.
 double beyond(const OrientedBox& box, const Vector3d& p) {
   return ((box.axes.transpose() * (p - box.center)).cwiseAbs() - box.half_extents).maxCoeff();
 }

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Asks a server that is not there: the client library is linked whole, and says so.
 #include "segserve/client/client.hpp"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -19,7 +20,7 @@ struct DracoFile {
   std::string finite;  ///< a bit per point of the cloud, the first lowest: 1 if it is finite; empty: all are
 };
 
-/// Every coordinate of a finite point within `error_bound` metres, colours exactly; points that are not finite come
+/// Every coordinate of a finite point within `error_bound` meters, colors exactly; points that are not finite come
 /// back as NaN, black. INVALID_ARGUMENT unless the bound is above 0 and Draco's at most 30 bits can keep it.
 absl::StatusOr<DracoFile> encode_draco(const CloudView& cloud, double error_bound);
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -14,8 +15,8 @@ namespace segserve::codec {
 
 /// The planes of a cloud of N points as bytes that somebody else owns.
 struct PlanarBytes {
-  std::string_view x, y, z;  ///< metres, float32 little-endian: 4N bytes each
-  std::string_view rgb;      ///< R, G, B interleaved: 3N bytes; empty: no colour
+  std::string_view x, y, z;  ///< meters, float32 little-endian: 4N bytes each
+  std::string_view rgb;      ///< R, G, B interleaved: 3N bytes; empty: no color
 };
 
 /// The same, owned.
@@ -34,7 +35,7 @@ absl::StatusOr<BorrowingCloud> decode_planar(const PlanarBytes& planes, std::uin
 PlanarPlanes encode_planar(const CloudView& cloud);
 
 /// The same without a copy of the coordinates: valid as long as the cloud's planes, and `rgb`, which becomes the
-/// colours' bytes.
+/// colors' bytes.
 PlanarBytes encode_planar_in_place(const CloudView& cloud, std::unique_ptr<char[]>& rgb);
 
 }  // namespace segserve::codec

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <string>
@@ -9,10 +10,10 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/stop_token.hpp"
 
-// The images of an RGB-D camera and the organised CAMERA cloud that they are.
+// The images of an RGB-D camera and the organized CAMERA cloud that they are.
 namespace segserve::codec {
 
-/// A pinhole camera without distortion, pixels; the centre of the first pixel is (0, 0).
+/// A pinhole camera without distortion, pixels; the center of the first pixel is (0, 0).
 struct Intrinsics {
   double fx = 0;
   double fy = 0;
@@ -24,14 +25,14 @@ struct Intrinsics {
 /// INVALID_ARGUMENT that names every wrong one unless all are finite and fx, fy above 0.
 absl::Status check_intrinsics(const Intrinsics& intrinsics);
 
-/// INVALID_ARGUMENT unless finite and above 0. `depth_scale` is metres a unit of depth.
+/// INVALID_ARGUMENT unless finite and above 0. `depth_scale` is meters a unit of depth.
 absl::Status check_depth_scale(double depth_scale);
 
 /// Image files as bytes that somebody else owns.
 struct RgbdImages {
-  std::string_view depth;  ///< PNG, 16 bits, grey; 0 is no point
-  std::string_view color;  ///< PNG or JPEG of the same size, aligned with the depth; empty: no colour
-  double depth_scale = 0;  ///< metres a unit of depth
+  std::string_view depth;  ///< PNG, 16 bits, gray; 0 is no point
+  std::string_view color;  ///< PNG or JPEG of the same size, aligned with the depth; empty: no color
+  double depth_scale = 0;  ///< meters a unit of depth
   Intrinsics intrinsics;
 };
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <cstdint>
@@ -52,17 +53,17 @@ struct StridedCloud {
 };
 
 /// What of the layout is wrong, or over a limit, before there is any data. INVALID_ARGUMENT that names the field and
-/// the value: a field beyond point_step, rows that overlap, x, y or z missing or no float, colour of a wrong type, a
+/// the value: a field beyond point_step, rows that overlap, x, y or z missing or no float, color of a wrong type, a
 /// name that is there twice, more than 64 fields. Fields that mean nothing to us are only checked to be within the
 /// point.
 absl::Status check_layout(const StridedLayout& layout, const DecodeLimits& limits);
 
-/// The cloud of `data`, which must be layout.bytes() long. Colour: `rgb` or `rgba`, whose 4 bytes are 0xAARRGGBB
+/// The cloud of `data`, which must be layout.bytes() long. Color: `rgb` or `rgba`, whose 4 bytes are 0xAARRGGBB
 /// whatever their type, else `r`, `g` and `b`; else none. Neither coordinates nor an empty cloud are judged here.
 absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_view data, const View& view,
                                      const DecodeLimits& limits, const StopToken& stop = {});
 
-/// x, y, z and, with colour, rgb: FLOAT32, without gaps, little endian.
+/// x, y, z and, with color, rgb: FLOAT32, without gaps, little endian.
 StridedCloud encode_strided(const CloudView& cloud);
 
 }  // namespace segserve::codec

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <pcl/point_cloud.h>
@@ -17,7 +18,7 @@
 #include "segserve/segment.hpp"
 
 /// segserve for users of PCL. Any point type with x, y, z serves; one with `rgba` (PointXYZRGB,
-/// PointXYZRGBA, ..) brings its colour, others have none. Positions in metres.
+/// PointXYZRGBA, ..) brings its color, others have none. Positions in meters.
 ///
 /// Do not compile code that includes PCL with -march=native or AVX flags unless your PCL was too:
 /// Eigen's alignment differs then, and the program dies in free(). segserve itself needs no flag.
@@ -35,7 +36,7 @@ concept PointWithColor = PointWithPosition<PointT> && requires(const PointT& poi
   { point.rgba } -> std::convertible_to<std::uint32_t>;
 };
 
-/// The view that segserve's PCD reader derives from the same fields: CAMERA if the cloud is organised
+/// The view that segserve's PCD reader derives from the same fields: CAMERA if the cloud is organized
 /// (height > 1), sensor_origin_ is zero and sensor_orientation_ is the identity; else WORLD with the
 /// sensor at sensor_origin_. Nothing applies it unasked: PCL leaves these fields at zero and
 /// identity in clouds that were transformed, so pass your own View if you know better.
@@ -76,7 +77,7 @@ absl::StatusOr<Segmentation> segment(const pcl::PointCloud<PointT>& cloud, const
   return segserve::segment(from_pcl(cloud, view), options, stop);
 }
 
-/// The cloud with a label per point: PointXYZRGBL if its points have colour, else PointXYZL. Header,
+/// The cloud with a label per point: PointXYZRGBL if its points have color, else PointXYZL. Header,
 /// shape and sensor pose are kept. INVALID_ARGUMENT if there is not one label per point.
 template <PointWithPosition PointT>
 auto with_labels(const pcl::PointCloud<PointT>& cloud, std::span<const std::uint32_t> labels) {

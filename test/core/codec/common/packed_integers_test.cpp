@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/common/packed_integers.hpp"
 
 #include "test/core/codec/support/sample_cloud.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "core/codec/common/zstd_block.hpp"
 
 #include <zstd.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/draco.hpp"
 
 #include <cmath>
@@ -18,7 +19,7 @@ class Draco : public testing::Test {
   }
 };
 
-/// Points within +-`range` metres in no order of any kind, every seventh not finite.
+/// Points within +-`range` meters in no order of any kind, every seventh not finite.
 Cloud random_cloud(std::uint32_t seed, std::uint32_t width, float range, bool color, bool all_finite) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> coordinate(-range, range);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What the fields of a PCD file mean, whatever their order and types.
 
 #include <cstring>
@@ -54,7 +55,7 @@ TEST(PcdFields, PackedFloatIsReinterpretedAndNeverConverted) {
     file.append(12, '\0');
     put(file, bits);
   }
-  // With an opaque alpha most bright colours are NaNs; only the plain quiet NaN says "no colour".
+  // With an opaque alpha most bright colors are NaNs; only the plain quiet NaN says "no color".
   EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(0x102030U, 0xC0FFEEU, 0U));
 }
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Wrong PCD files: each is refused with words that tell what is wrong, and none does harm.
 
 #include <cstring>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PCL's own reader and writer as the oracle, in both directions and for every encoding.
 
 #include <pcl/io/pcd_io.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // What is written to a PCD file comes back, bit for bit.
 
 #include "segserve/codec/pcd.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/planar.hpp"
 
 #include "test/core/codec/support/sample_cloud.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // Wrong PLY files: each is refused with words that tell what is wrong, and none does harm.
 
 #include "segserve/codec/ply.hpp"

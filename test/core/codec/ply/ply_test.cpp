@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 // PLY files as other programs write them, and what we write ourselves.
 
 #include "segserve/codec/ply.hpp"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/quantised.hpp"
 
 #include <cmath>
@@ -12,7 +13,7 @@
 namespace segserve::codec {
 namespace {
 
-/// Random points within +-`range` metres, every seventh not finite.
+/// Random points within +-`range` meters, every seventh not finite.
 Cloud random_cloud(std::uint32_t seed, std::uint32_t width, std::uint32_t height, float range, bool color,
                    bool all_finite = false) {
   std::mt19937 random(seed);
@@ -32,7 +33,7 @@ Cloud random_cloud(std::uint32_t seed, std::uint32_t width, std::uint32_t height
   return cloud;
 }
 
-/// The largest error of a coordinate; checks what must be exact: which points are finite, their order, their colours.
+/// The largest error of a coordinate; checks what must be exact: which points are finite, their order, their colors.
 double largest_error(const Cloud& decoded, const Cloud& cloud) {
   EXPECT_EQ(decoded.width, cloud.width);
   EXPECT_EQ(decoded.height, cloud.height);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/rgbd.hpp"
 
 #include <png.h>
@@ -18,7 +19,7 @@ namespace {
 
 constexpr Intrinsics kCamera{.fx = 50, .fy = 40, .cx = 4.5, .cy = 3};
 
-/// Depths in millimetres, a hole in every fifth pixel.
+/// Depths in millimeters, a hole in every fifth pixel.
 std::vector<std::uint16_t> depth_of(const ImageSize& size) {
   std::vector<std::uint16_t> depth(size.pixels());
   for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = i % 5 == 2 ? 0 : static_cast<std::uint16_t>(900 + 7 * i);
@@ -168,7 +169,7 @@ TEST(Rgbd, DamageIsRefusedOrDecodedWithinBounds) {
   expect_flips_survived(jpeg, damaged_color);
 }
 
-/// An organised cloud as a camera sees it.
+/// An organized cloud as a camera sees it.
 Cloud camera_cloud(bool color) {
   const auto cloud = decode(depth_png({20, 15}), color ? color_png({20, 15}) : "");
   EXPECT_TRUE(cloud.ok()) << cloud.status();

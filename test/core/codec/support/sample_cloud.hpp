@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: Apache-2.0
 #pragma once
 
 #include <gmock/gmock.h>
@@ -21,7 +22,7 @@
 namespace segserve::codec {
 
 /// A cloud as files hold them, with the values that are easily lost: NaN, infinities, denormals,
-/// negative zero, colours whose packed float is a NaN.
+/// negative zero, colors whose packed float is a NaN.
 struct Sample {
   Cloud cloud;
   std::vector<std::uint32_t> label;
