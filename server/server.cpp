@@ -82,7 +82,7 @@ bool GrpcServer::stop() {
   server_->GetHealthCheckService()->SetServingStatus(false);
   service_.start_draining();
   const bool all_finished = service_.wait_until_idle_or(deadline);
-  if (!all_finished) spdlog::warn("the grace period is over: cancelling {} calls", service_.calls_in_flight());
+  if (!all_finished) spdlog::warn("the grace period is over: canceling {} calls", service_.calls_in_flight());
   std::this_thread::sleep_until(std::min(deadline, begin + drain_delay_));
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTime);
   server_->Wait();

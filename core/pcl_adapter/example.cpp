@@ -31,8 +31,8 @@ int run(const char* input, const char* output) {
   const auto cut = segserve::cut_to_regions(result->tree, 10);
   if (cut.ok()) fmt::print("the same tree, cut to at most 10 regions: {} segments\n", cut->segments);
 
-  const auto labelled = segserve::pcl_adapter::with_labels(cloud, result->labels);
-  if (!labelled.ok() || pcl::io::savePCDFileBinaryCompressed(output, *labelled) != 0) {
+  const auto labeled = segserve::pcl_adapter::with_labels(cloud, result->labels);
+  if (!labeled.ok() || pcl::io::savePCDFileBinaryCompressed(output, *labeled) != 0) {
     fmt::print(stderr, "{}: cannot be written\n", output);
     return 1;
   }

@@ -75,7 +75,7 @@ std::optional<Needs> needs_of(v1::Cloud::PayloadCase payload) {
 void check_error_bound(const v1::Cloud& message, std::vector<FieldViolation>& faults) {
   const double bound = message.error_bound();
   if (!std::isfinite(bound) || bound < 0) {
-    faults.push_back({"cloud.error_bound", fmt::format("{} is not a finite number of metres", bound)});
+    faults.push_back({"cloud.error_bound", fmt::format("{} is not a finite number of meters", bound)});
   } else if (message.has_quantised() && bound == 0) {
     faults.push_back({"cloud.error_bound", "missing: a quantised cloud declares it"});
   }

@@ -22,12 +22,12 @@ constexpr std::array kCodecs{
     CodecInfo{Codec::kStrided, "strided", v1::PAYLOAD_KIND_STRIDED, true, "point by point, as PointCloud2"},
     CodecInfo{Codec::kStridedZstd, "strided-zstd", v1::PAYLOAD_KIND_STRIDED, true, "the same, compressed with zstd"},
     CodecInfo{Codec::kQuantised, "quantised", v1::PAYLOAD_KIND_QUANTISED, false,
-              "coordinates within an error bound, colours exactly"},
+              "coordinates within an error bound, colors exactly"},
     CodecInfo{Codec::kPcd, "pcd", v1::PAYLOAD_KIND_PCD_FILE, true, "a PCD file, binary_compressed"},
     CodecInfo{Codec::kRgbd, "rgbd", v1::PAYLOAD_KIND_RGBD, false,
-              "16-bit PNG depth and JPEG colour; organised CAMERA clouds only"},
+              "16-bit PNG depth and JPEG color; organized CAMERA clouds only"},
     CodecInfo{Codec::kDraco, "draco", v1::PAYLOAD_KIND_DRACO, false,
-              "coordinates within an error bound, colours exactly"},
+              "coordinates within an error bound, colors exactly"},
 };
 
 struct KindName {

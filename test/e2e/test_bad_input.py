@@ -20,7 +20,7 @@ class BadInput(EndToEnd):
         return {"local": ("--local",), "planar": server, "zstd": (*server, "--zstd"), "pcd": (*server, "--codec", "pcd")}
 
     def refuse(self, content, *flags, ways=None, saying=""):
-        """No way accepts the content; afterwards the same server process segments a good scene."""
+        """No way accepts the content; afterward the same server process segments a good scene."""
         scene, output = self.path("bad.pcd"), self.path("out.pcd")
         scene.write_bytes(content)
         for name, way in self.ways().items():

@@ -84,9 +84,9 @@ std::vector<std::uint32_t> PclSupervoxels::merge(const LccpSettings& settings) c
   lccp.setInputSupervoxels(state_->supervoxels, adjacency);
   lccp.setMinSegmentSize(settings.min_segment_supervoxels);
   lccp.segment();
-  const pcl::PointCloud<pcl::PointXYZL>::Ptr labelled = state_->clustering.getLabeledCloud();
-  lccp.relabelCloud(*labelled);
-  return labels_of(*labelled);
+  const pcl::PointCloud<pcl::PointXYZL>::Ptr labeled = state_->clustering.getLabeledCloud();
+  lccp.relabelCloud(*labeled);
+  return labels_of(*labeled);
 }
 
 }  // namespace segserve::pcl_peer

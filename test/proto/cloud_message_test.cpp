@@ -89,7 +89,7 @@ TEST(WireCloud, BytesThatAreSentKeepTheirCloud) {
   EXPECT_TRUE(watched.expired());
 }
 
-TEST(WireCloud, PlanarWithoutColourAndWithASensor) {
+TEST(WireCloud, PlanarWithoutColorAndWithASensor) {
   Cloud cloud = small_cloud();
   cloud.rgb.clear();
   cloud.view = View::world(1, 2, 3);

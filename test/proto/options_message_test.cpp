@@ -101,7 +101,7 @@ TEST(OptionsHash, DependsOnWhatDecidesResultsOnly) {
   Options options;
   options.threads = 8;
   options.threshold = default_threshold(options.method);
-  EXPECT_EQ(options_hash(options), hash) << "neither threads nor a default that is spelt out";
+  EXPECT_EQ(options_hash(options), hash) << "neither threads nor a default that is spelled out";
   options.lambda = 0.7;
   EXPECT_EQ(options_hash(options), hash) << "lambda only counts for fixed-lambda";
   options.normal_weight = 0.5;

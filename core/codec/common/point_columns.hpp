@@ -12,7 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/codec/common/scalar_type.hpp"
-#include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/stop_token.hpp"
 
 namespace segserve::codec {

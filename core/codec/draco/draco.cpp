@@ -104,7 +104,7 @@ absl::Status read_points(const draco::PointCloud& points, std::span<const std::u
     cloud.z[i] = xyz[2];
     if (color == nullptr) continue;
     std::array<std::uint8_t, 3> rgb{};
-    if (!color->ConvertValue<std::uint8_t, 3>(color->mapped_index(point), rgb.data())) return fault("a broken colour");
+    if (!color->ConvertValue<std::uint8_t, 3>(color->mapped_index(point), rgb.data())) return fault("a broken color");
     cloud.rgb[i] = pack_rgb(rgb[0], rgb[1], rgb[2]);
   }
   return stop.check();

@@ -179,12 +179,12 @@ void choose_view(const PcdHeader& header, const std::optional<View>& given, Labe
     out.view_rule = given->kind == ViewKind::kCamera ? "CAMERA, as asked for" : "WORLD, as asked for";
   } else if (header.height > 1 && header.identity_viewpoint) {
     out.cloud.view = View::camera();
-    out.view_rule = fmt::format("CAMERA: the cloud is organised ({} x {}) and its VIEWPOINT is the identity",
+    out.view_rule = fmt::format("CAMERA: the cloud is organized ({} x {}) and its VIEWPOINT is the identity",
                                 header.width, header.height);
   } else {
     out.cloud.view = View::world(x, y, z);
     out.view_rule = fmt::format("WORLD with the sensor at ({}, {}, {}), its VIEWPOINT: {}", x, y, z,
-                                header.height > 1 ? "that is not the identity" : "the cloud is not organised");
+                                header.height > 1 ? "that is not the identity" : "the cloud is not organized");
   }
 }
 

@@ -224,7 +224,7 @@ absl::Status check_roles(const PcdHeader& header) {
   if (header.roles.packed) {
     const PcdField& field = header.fields[*header.roles.packed];
     if (field.bytes() != 4) {
-      return fault("field '{}' is packed colour and must have SIZE 4, not {}", field.name, field.bytes());
+      return fault("field '{}' is packed color and must have SIZE 4, not {}", field.name, field.bytes());
     }
   }
   return absl::OkStatus();

@@ -41,10 +41,10 @@ absl::StatusOr<double> grid_step(double error_bound, double largest) {
 std::vector<std::uint32_t> differences(std::span<const float> axis, std::span<const std::uint32_t> finite,
                                        double step) {
   std::vector<std::uint32_t> out(finite.size());
-  const double cells_per_metre = 1 / step;
+  const double cells_per_meter = 1 / step;
   std::int32_t before = 0;
   for (std::size_t k = 0; k < finite.size(); ++k) {
-    const double position = axis[finite[k]] * cells_per_metre;  // beyond +-2^24 grid_step has refused
+    const double position = axis[finite[k]] * cells_per_meter;  // beyond +-2^24 grid_step has refused
     const auto truncated = static_cast<std::int32_t>(position);
     const std::int32_t cell = truncated - (position < truncated ? 1 : 0);
     const std::int32_t difference = cell - before;

@@ -68,10 +68,10 @@ void read_bytes(png_structp png, png_bytep out, std::size_t size) {
 
 void ignore_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-enum class Format : std::uint8_t { kGrey16, kColor };
+enum class Format : std::uint8_t { kGray16, kColor };
 
 void set_transforms(png_structp png, Format format) {
-  if (format == Format::kGrey16) {
+  if (format == Format::kGray16) {
     png_set_swap(png);  // to little endian
     return;
   }
@@ -128,17 +128,17 @@ absl::StatusOr<ImageSize> png_size(std::string_view bytes) {
   return header->size;
 }
 
-absl::StatusOr<GreyImage> decode_png_grey16(std::string_view bytes, const DecodeLimits& limits) {
+absl::StatusOr<GrayImage> decode_png_gray16(std::string_view bytes, const DecodeLimits& limits) {
   const auto header = read_header(bytes);
   if (!header.ok()) return header.status();
   if (header->color_type != PNG_COLOR_TYPE_GRAY || header->bit_depth != 16) {
-    return fault(fmt::format("colour type {} with {} bits; needed is grey (0) with 16 bits", header->color_type,
+    return fault(fmt::format("color type {} with {} bits; needed is gray (0) with 16 bits", header->color_type,
                              header->bit_depth));
   }
   constexpr std::size_t kPixelBytes = sizeof(std::uint16_t);
   if (absl::Status status = check_image_size(header->size, kPixelBytes, limits); !status.ok()) return status;
-  GreyImage image{header->size, std::vector<std::uint16_t>(header->size.pixels())};
-  absl::Status status = decode(bytes, Format::kGrey16, image.size, image.size.width * kPixelBytes, image.pixels.data());
+  GrayImage image{header->size, std::vector<std::uint16_t>(header->size.pixels())};
+  absl::Status status = decode(bytes, Format::kGray16, image.size, image.size.width * kPixelBytes, image.pixels.data());
   if (!status.ok()) return status;
   return image;
 }

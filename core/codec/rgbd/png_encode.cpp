@@ -61,7 +61,7 @@ bool write_rows(std::string& out, const ImageSize& size, const std::uint16_t* pi
 
 }  // namespace
 
-absl::StatusOr<std::string> encode_png_grey16(const ImageSize& size, std::span<const std::uint16_t> pixels) {
+absl::StatusOr<std::string> encode_png_gray16(const ImageSize& size, std::span<const std::uint16_t> pixels) {
   std::string bytes;
   if (write_rows(bytes, size, pixels.data())) return bytes;
   return absl::InternalError(fmt::format("PNG: {} x {} pixels cannot be written", size.width, size.height));

@@ -19,13 +19,13 @@ bool is_png(std::string_view bytes);
 /// What the first chunk (IHDR) says.
 absl::StatusOr<ImageSize> png_size(std::string_view bytes);
 
-struct GreyImage {
+struct GrayImage {
   ImageSize size;
   std::vector<std::uint16_t> pixels;  ///< row by row
 };
 
 /// A gray PNG of 16 bits, its numbers as they are, whatever it says of gamma. INVALID_ARGUMENT for other PNGs.
-absl::StatusOr<GreyImage> decode_png_grey16(std::string_view bytes, const DecodeLimits& limits);
+absl::StatusOr<GrayImage> decode_png_gray16(std::string_view bytes, const DecodeLimits& limits);
 
 struct ColorImage {
   ImageSize size;
@@ -36,6 +36,6 @@ struct ColorImage {
 absl::StatusOr<ColorImage> decode_png_color(std::string_view bytes, const DecodeLimits& limits);
 
 /// `pixels` has width * height entries. INTERNAL if libpng fails.
-absl::StatusOr<std::string> encode_png_grey16(const ImageSize& size, std::span<const std::uint16_t> pixels);
+absl::StatusOr<std::string> encode_png_gray16(const ImageSize& size, std::span<const std::uint16_t> pixels);
 
 }  // namespace segserve::codec

@@ -43,7 +43,7 @@ void read_colors(const ColorImage& image, StopCheck& check, std::vector<std::uin
   });
 }
 
-Cloud to_cloud(const GreyImage& depth, double scale, const Intrinsics& camera, StopCheck& check) {
+Cloud to_cloud(const GrayImage& depth, double scale, const Intrinsics& camera, StopCheck& check) {
   const auto [width, height] = depth.size;
   Cloud cloud;
   cloud.resize(depth.size.pixels(), false);
@@ -95,7 +95,7 @@ absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& 
   if (absl::Status status = check_image_size(*size, kPointBytes, limits); !status.ok())
     return in_image("depth", status);
 
-  const auto depth = decode_png_grey16(images.depth, limits);
+  const auto depth = decode_png_gray16(images.depth, limits);
   if (!depth.ok()) return in_image("depth", depth.status());
   StopCheck check(stop);
   Cloud cloud = to_cloud(*depth, images.depth_scale, images.intrinsics, check);
@@ -103,9 +103,9 @@ absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& 
   if (images.color.empty()) return cloud;
 
   const auto color = decode_color(images.color, limits);
-  if (!color.ok()) return in_image("colour", color.status());
+  if (!color.ok()) return in_image("color", color.status());
   if (color->size != depth->size) {
-    return absl::InvalidArgumentError(fmt::format("the colour image has {} x {} pixels, the depth image {} x {}",
+    return absl::InvalidArgumentError(fmt::format("the color image has {} x {} pixels, the depth image {} x {}",
                                                   color->size.width, color->size.height, depth->size.width,
                                                   depth->size.height));
   }

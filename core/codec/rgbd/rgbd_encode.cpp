@@ -23,7 +23,7 @@ constexpr double kMostDeviation = 0.5;  // pixels
 absl::Status check_is_image(const CloudView& cloud) {
   if (cloud.view.kind == ViewKind::kCamera && cloud.height > 1) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      "only an organised cloud (height above 1) seen from the camera can become RGB-D images");
+      "only an organized cloud (height above 1) seen from the camera can become RGB-D images");
 }
 
 /// Calls function(u, v, x, y, z) for every finite point.
@@ -137,7 +137,7 @@ absl::StatusOr<RgbdFiles> encode_rgbd(const CloudView& cloud, const RgbdOptions&
   const auto depth = depth_pixels(cloud, options.depth_scale);
   if (!depth.ok()) return depth.status();
   files.error_bound = largest_error(cloud, *depth, files);
-  absl::StatusOr<std::string> png = encode_png_grey16({cloud.width, cloud.height}, *depth);
+  absl::StatusOr<std::string> png = encode_png_gray16({cloud.width, cloud.height}, *depth);
   if (!png.ok()) return png.status();
   files.depth = *std::move(png);
   if (!cloud.has_color()) return files;

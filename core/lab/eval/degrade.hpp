@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "absl/status/status.h"
-#include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 
 namespace segserve::eval {
 

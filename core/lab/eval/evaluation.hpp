@@ -13,7 +13,7 @@
 #include "core/lab/eval/partition_metrics.hpp"
 #include "core/lab/eval/threshold_sweep.hpp"
 #include "segserve/cloud.hpp"
-#include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/options.hpp"
 
 namespace segserve::eval {

@@ -84,7 +84,7 @@ TEST(SegmentTest, AShapeThatDoesNotFitIsRefused) {
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
 }
 
-TEST(ViewByPcdRuleTest, OrganisedAndUnmovedIsACamera) {
+TEST(ViewByPcdRuleTest, OrganizedAndUnmovedIsACamera) {
   pcl::PointCloud<pcl::PointXYZRGB> cloud(4, 3);
   EXPECT_EQ(view_by_pcd_rule(cloud), View::camera());
 }

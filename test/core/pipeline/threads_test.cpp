@@ -39,7 +39,7 @@ TEST_P(ThreadsTest, AnExceptionOfSegmentReachesTheCaller) {
   ThrowingMeter meter;
   meter.arm();
   EXPECT_THROW((void)segmenter.segment(cloud, options, meter.token()), std::bad_alloc);
-  EXPECT_EQ(segmenter.segment(cloud, options)->labels, expected.labels) << "the segmenter is of use afterwards";
+  EXPECT_EQ(segmenter.segment(cloud, options)->labels, expected.labels) << "the segmenter is of use afterward";
 }
 
 TEST_P(ThreadsTest, AnExceptionOfDescribeReachesTheCaller) {

@@ -8,7 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
-#include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/stop_token.hpp"
 #include "segserve/wire/codec.hpp"

@@ -11,7 +11,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
-#include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 
 namespace segserve::codec {
 

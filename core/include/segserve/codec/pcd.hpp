@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
-#include "segserve/codec/labelled_cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/stop_token.hpp"
 
 namespace segserve::codec {

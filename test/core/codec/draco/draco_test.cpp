@@ -40,7 +40,7 @@ absl::StatusOr<Cloud> decode(const DracoFile& file, std::uint32_t width, const D
   return decode_draco(file.data, file.finite, width, 1, View::world(), limits);
 }
 
-TEST_F(Draco, KeepsOrderColoursAndTheBound) {
+TEST_F(Draco, KeepsOrderColorsAndTheBound) {
   std::uint32_t seed = 0;
   for (const double bound : {0.0001, 0.001, 0.01}) {
     for (const float range : {0.5F, 10.0F, 100.0F}) {

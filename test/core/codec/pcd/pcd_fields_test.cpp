@@ -93,13 +93,13 @@ TEST(PcdFields, ChannelsOfBytesOrFloatsAreClampedAndNanIsBlack) {
   EXPECT_THAT(decode(floats).cloud.rgb, ElementsAre(0xFFFF00U, 0x00FF10U));
 }
 
-TEST(PcdFields, PackedColourIsPreferredToChannels) {
+TEST(PcdFields, PackedColorIsPreferredToChannels) {
   const std::string file =
       header("r g b rgba x y z", "1 1 1 4 4 4 4", "U U U U F F F", "1 1 1 1 1 1 1", 1, "ascii") + "1 2 3 255 0 0 0\n";
   EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(255U));
 }
 
-TEST(PcdFields, SomeChannelsOnlyAreNoColour) {
+TEST(PcdFields, SomeChannelsOnlyAreNoColor) {
   const std::string file = header("x y z r g", "4 4 4 1 1", "F F F U U", "1 1 1 1 1", 1, "ascii") + "0 0 0 1 2\n";
   EXPECT_FALSE(decode(file).cloud.has_color());
 }

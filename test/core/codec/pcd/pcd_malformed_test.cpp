@@ -54,7 +54,7 @@ std::vector<Fault> header_faults() {
       {"FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\n" + kTwoPoints + "DATA ascii\n", "'x' is there twice"},
       {"FIELDS x y z rgb rgb\nSIZE 4 4 4 4 4\nTYPE F F F F F\n" + kTwoPoints + "DATA ascii\n", "'rgb' is there twice"},
       {"FIELDS x y z rgb\nSIZE 4 4 4 8\nTYPE F F F F\n" + kTwoPoints + "DATA ascii\n",
-       "field 'rgb' is packed colour and must have SIZE 4, not 8"},
+       "field 'rgb' is packed color and must have SIZE 4, not 8"},
       {kFields + "DATA ascii\n", "POINTS and WIDTH are missing"},
       {kFields + "WIDTH 2\nHEIGHT 3\nPOINTS 7\nDATA ascii\n", "POINTS 7 is not WIDTH 2 x HEIGHT 3"},
       {kFields + "WIDTH -2\nDATA ascii\n", "WIDTH in line 4 must be one whole number"},

@@ -71,15 +71,15 @@ void expect_pcl_has(const ::pcl::PointCloud<PointT>& actual, const Cloud& expect
 TEST_P(PclOracle, PclReadsWhatWeWrite) {
   const Sample sample = plain_sample(23, 9);
   write_ours(sample);
-  ::pcl::PointCloud<::pcl::PointXYZRGBL> labelled;
-  ASSERT_EQ(::pcl::io::loadPCDFile(path_, labelled), 0);
-  expect_pcl_has(labelled, sample.cloud);
-  for (std::size_t i = 0; i < labelled.size(); ++i) EXPECT_EQ(labelled[i].label, sample.label[i]) << i;
-  EXPECT_EQ(labelled.sensor_origin_.head<3>(), *sample.cloud.view.sensor);
-  EXPECT_TRUE(labelled.sensor_orientation_.isApprox(Eigen::Quaternionf::Identity()));
+  ::pcl::PointCloud<::pcl::PointXYZRGBL> labeled;
+  ASSERT_EQ(::pcl::io::loadPCDFile(path_, labeled), 0);
+  expect_pcl_has(labeled, sample.cloud);
+  for (std::size_t i = 0; i < labeled.size(); ++i) EXPECT_EQ(labeled[i].label, sample.label[i]) << i;
+  EXPECT_EQ(labeled.sensor_origin_.head<3>(), *sample.cloud.view.sensor);
+  EXPECT_TRUE(labeled.sensor_orientation_.isApprox(Eigen::Quaternionf::Identity()));
 }
 
-TEST_P(PclOracle, PclReadsOurColoursAsRgbAndAsRgba) {
+TEST_P(PclOracle, PclReadsOurColorsAsRgbAndAsRgba) {
   Sample sample = plain_sample(31, 1);
   sample.label.clear();
   write_ours(sample);
@@ -117,9 +117,9 @@ TEST_P(PclOracle, WeReadWhatPclWrites) {
 
 TEST_P(PclOracle, WeReadPclsOtherPointTypes) {
   const Sample sample = plain_sample(40, 1);
-  auto labelled = to_pcl<::pcl::PointXYZRGBL>(sample);
-  for (std::size_t i = 0; i < labelled.size(); ++i) labelled[i].label = sample.label[i];
-  write_pcls(labelled);
+  auto labeled = to_pcl<::pcl::PointXYZRGBL>(sample);
+  for (std::size_t i = 0; i < labeled.size(); ++i) labeled[i].label = sample.label[i];
+  write_pcls(labeled);
   auto read = load_cloud(path_);
   ASSERT_TRUE(read.ok()) << read.status();
   expect_same_points(read->cloud, sample.cloud);

@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(
                                      Shape{0, 1, true, false}, Shape{17, 5, false, true}, Shape{33, 7, true, true},
                                      Shape{641, 1, true, true}, Shape{127, 129, true, true})));
 
-TEST(PcdEncode, AllColoursOfTheGreyAxisAndTheCornersSurviveInText) {
+TEST(PcdEncode, AllColorsOfTheGrayAxisAndTheCornersSurviveInText) {
   std::vector<std::uint32_t> colors;
   for (std::uint32_t v = 0; v < 256; ++v) {
     for (const std::uint32_t rgb : {v * 0x010101U, v << 16U, v << 8U, v, 0xFFFF00U | v, 0xFF0000U | v << 8U}) {
@@ -50,7 +50,7 @@ TEST(PcdEncode, AllColoursOfTheGreyAxisAndTheCornersSurviveInText) {
   EXPECT_EQ(read->cloud.rgb, colors);
 }
 
-TEST(PcdEncode, TheUnusedTopByteOfAColourIsDropped) {
+TEST(PcdEncode, TheUnusedTopByteOfAColorIsDropped) {
   Cloud cloud{{1}, {2}, {3}, {0xFF123456U}, 1, 1, View::world()};
   for (const PcdEncoding encoding : {PcdEncoding::kAscii, PcdEncoding::kBinary, PcdEncoding::kBinaryCompressed}) {
     const std::string file = encode_pcd(cloud, {}, encoding);

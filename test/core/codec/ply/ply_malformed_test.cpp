@@ -111,7 +111,7 @@ TEST_P(PlyDamage, NoTruncatedFileIsTakenForAWholeOne) {
 TEST_P(PlyDamage, FlippedBytesAreRefusedOrReadWithinBounds) {
   const Sample sample = make_sample(4, 9, 4, true, true);
   std::string file = encode_ply(sample.cloud, sample.label, GetParam());
-  const std::string list = "property list uchar int neighbours\n";
+  const std::string list = "property list uchar int neighbors\n";
   file.insert(file.find("end_header"), list);  // its length is read from the next point's bytes
   std::mt19937 random(5);
   const DecodeLimits limits{.max_points = 100'000, .max_bytes = 1'000'000};

@@ -24,7 +24,7 @@ void put(std::string& out, T value, std::endian order) {
   out += bytes;
 }
 
-TEST(PlyRoundTrip, KeepsPointsColoursAndLabels) {
+TEST(PlyRoundTrip, KeepsPointsColorsAndLabels) {
   for (const PlyEncoding encoding : {PlyEncoding::kAscii, PlyEncoding::kBinaryLittleEndian}) {
     for (const bool color : {false, true}) {
       for (const bool label : {false, true}) {

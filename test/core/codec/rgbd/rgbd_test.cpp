@@ -26,7 +26,7 @@ std::vector<std::uint16_t> depth_of(const ImageSize& size) {
   return depth;
 }
 
-std::string depth_png(const ImageSize& size = {10, 7}) { return encode_png_grey16(size, depth_of(size)).value(); }
+std::string depth_png(const ImageSize& size = {10, 7}) { return encode_png_gray16(size, depth_of(size)).value(); }
 
 ColorImage colors_of(const ImageSize& size) {
   ColorImage image{size, {}};
@@ -81,13 +81,13 @@ TEST(Rgbd, PixelsBecomePointsByThePinholeModel) {
   }
 }
 
-TEST(Rgbd, WithoutColour) {
+TEST(Rgbd, WithoutColor) {
   const auto cloud = decode(depth_png(), "");
   ASSERT_TRUE(cloud.ok()) << cloud.status();
   EXPECT_FALSE(cloud->has_color());
 }
 
-TEST(Rgbd, JpegIsNearlyTheColour) {
+TEST(Rgbd, JpegIsNearlyTheColor) {
   ColorImage image{{16, 16}, std::vector<std::uint8_t>(std::size_t{3} * 16 * 16, 0)};
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) image.rgb[i] = 200, image.rgb[i + 1] = 100;
   const auto cloud = decode(depth_png({16, 16}), encode_jpeg(image, 90).value());
@@ -99,27 +99,27 @@ TEST(Rgbd, JpegIsNearlyTheColour) {
   }
 }
 
-TEST(Rgbd, AnyKindOfPngIsAColour) {
-  const std::vector<std::uint8_t> grey{10, 20, 30, 40};
-  const auto from_grey = decode_png_color(png_file(2, 2, PNG_FORMAT_GRAY, grey.data()), {});
-  ASSERT_TRUE(from_grey.ok()) << from_grey.status();
-  EXPECT_EQ(from_grey->rgb, (std::vector<std::uint8_t>{10, 10, 10, 20, 20, 20, 30, 30, 30, 40, 40, 40}));
+TEST(Rgbd, AnyKindOfPngIsAColor) {
+  const std::vector<std::uint8_t> gray{10, 20, 30, 40};
+  const auto from_gray = decode_png_color(png_file(2, 2, PNG_FORMAT_GRAY, gray.data()), {});
+  ASSERT_TRUE(from_gray.ok()) << from_gray.status();
+  EXPECT_EQ(from_gray->rgb, (std::vector<std::uint8_t>{10, 10, 10, 20, 20, 20, 30, 30, 30, 40, 40, 40}));
   const std::vector<std::uint8_t> rgba{1, 2, 3, 0, 4, 5, 6, 255};
   const auto from_rgba = decode_png_color(png_file(2, 1, PNG_FORMAT_RGBA, rgba.data()), {});
   ASSERT_TRUE(from_rgba.ok()) << from_rgba.status();
   EXPECT_EQ(from_rgba->rgb, (std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6}));
   const std::vector<std::uint16_t> deep{0x1234, 0xabcd};
-  const auto from_16 = decode_png_color(encode_png_grey16({2, 1}, deep).value(), {});
+  const auto from_16 = decode_png_color(encode_png_gray16({2, 1}, deep).value(), {});
   ASSERT_TRUE(from_16.ok()) << from_16.status();
   EXPECT_EQ(from_16->rgb, (std::vector<std::uint8_t>{0x12, 0x12, 0x12, 0xab, 0xab, 0xab}));
 }
 
 TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
   expect_fault(decode("", color_png()).status(), "depth: PNG: the bytes do not begin with a PNG signature");
-  expect_fault(decode(color_png(), color_png()).status(), "colour type 2 with 8 bits; needed is grey (0) with 16 bits");
-  expect_fault(decode(depth_png(), "GIF89a").status(), "colour: neither PNG nor JPEG");
+  expect_fault(decode(color_png(), color_png()).status(), "color type 2 with 8 bits; needed is gray (0) with 16 bits");
+  expect_fault(decode(depth_png(), "GIF89a").status(), "color: neither PNG nor JPEG");
   expect_fault(decode(depth_png(), color_png({9, 7})).status(),
-               "the colour image has 9 x 7 pixels, the depth image 10 x 7");
+               "the color image has 9 x 7 pixels, the depth image 10 x 7");
   const std::string depth = depth_png();
   expect_fault(decode_rgbd({depth, "", 0.001, {.fx = 0, .fy = NAN, .cx = INFINITY, .cy = 0}}, {}).status(),
                "fx is 0, which is not a finite number above 0; fy is nan, which is not a finite number above 0; "
@@ -141,7 +141,7 @@ std::string with_size(std::string png, std::uint32_t width, std::uint32_t height
 TEST(Rgbd, LyingSizesAreRefusedBeforeAllocation) {
   expect_over_limit(decode(with_size(depth_png(), 0x7fffffff, 0x7fffffff), "").status(), "max_points",
                     "depth: 2147483647 x 2147483647 pixels exceed the limit");
-  expect_over_limit(decode(depth_png(), with_size(color_png(), 100'000, 100'000)).status(), "max_points", "colour: ");
+  expect_over_limit(decode(depth_png(), with_size(color_png(), 100'000, 100'000)).status(), "max_points", "color: ");
   expect_fault(decode(with_size(depth_png(), 0, 7), "").status(), "0 x 7 pixels are no size");
   expect_fault(decode(with_size(depth_png(), 0x80000000U, 1), "").status(), "are no size");
   expect_over_limit(decode(depth_png(), "", {.max_points = 69}).status(), "max_points", "10 x 7 pixels");
@@ -150,7 +150,7 @@ TEST(Rgbd, LyingSizesAreRefusedBeforeAllocation) {
   const std::size_t frame = jpeg.find("\xff\xc0");
   ASSERT_NE(frame, std::string::npos);
   for (const std::size_t at : {5U, 6U, 7U, 8U}) jpeg[frame + at] = '\xf0';
-  expect_over_limit(decode(depth_png(), jpeg).status(), "max_points", "colour: 61680 x 61680 pixels");
+  expect_over_limit(decode(depth_png(), jpeg).status(), "max_points", "color: 61680 x 61680 pixels");
 }
 
 TEST(Rgbd, DamageIsRefusedOrDecodedWithinBounds) {
@@ -214,7 +214,7 @@ TEST(RgbdEncode, TheErrorThatItDeclaresIsTheLargest) {
 TEST(RgbdEncode, RefusesWhatIsNoImage) {
   Cloud cloud = camera_cloud(false);
   cloud.view = View::world();
-  expect_fault(encode_rgbd(cloud).status(), "only an organised cloud");
+  expect_fault(encode_rgbd(cloud).status(), "only an organized cloud");
   cloud = camera_cloud(false);
   cloud.x[0] += 0.1F;
   expect_fault(encode_rgbd(cloud).status(), "no image of a pinhole camera");
