@@ -28,7 +28,7 @@
 #include "nlohmann/json.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "segserve/codec/cloud_file.hpp"
-#include "segserve/v1/server_info.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 
 namespace segserve::segctl {
 namespace {

@@ -11,7 +11,7 @@
 #include "nlohmann/json.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
-#include "segserve/v1/server_info.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 
 namespace segserve::segctl {
 namespace {

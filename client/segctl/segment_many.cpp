@@ -10,7 +10,7 @@
 #include "client/segctl/batch.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
-#include "segserve/v1/server_info.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 
 namespace segserve::segctl {
 namespace {

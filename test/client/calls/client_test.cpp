@@ -16,7 +16,7 @@
 #include "proto/wire/status_message.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/segment.hpp"
-#include "segserve/v1/server_info.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 #include "server/server.hpp"
 #include "test/client/client_scenes.hpp"
 

@@ -60,7 +60,7 @@ struct CallOptions {
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
 };
 
-/// The answer to GetServerInfo. Include "segserve/v1/server_info.pb.h" to read it.
+/// The answer to GetServerInfo. Include "segserve/v1/segmentation_service.pb.h" to read it.
 using ServerInfo = v1::GetServerInfoResponse;
 
 /// Connections to one or more servers. Copies share them, and any number of threads may use them at the same time.
