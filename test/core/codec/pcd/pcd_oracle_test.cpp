@@ -100,7 +100,7 @@ template <typename PointT>
     cloud[i].z = sample.cloud.z[i];
     cloud[i].rgba = 0xFF000000U | sample.cloud.rgb[i];
   }
-  cloud.sensor_origin_.head<3>() = *sample.cloud.view.sensor;
+  cloud.sensor_origin_.template head<3>() = *sample.cloud.view.sensor;
   return cloud;
 }
 
