@@ -4,7 +4,7 @@
 // every CPU. The one source of both math::exp and its like (core/math/elementary.hpp, which gives ranges and errors)
 // and of those that kernels compute in every lane: `Number` is double or Doubles.
 //
-// What simd_vectors.hpp says of kernels holds here, too.
+// The rules for kernels in simd_vectors.hpp hold here, too.
 #pragma once
 
 #include "core/simd/simd_vectors.hpp"

@@ -39,7 +39,7 @@ class PaperMetric {
   /// delta(r_i, r_j) in [0, 1].
   double dissimilarity(std::uint32_t i, std::uint32_t j, const Evidence& = {}) const;
   void dissimilarities(std::span<const RegionEdge> pairs, double* result) const;
-  /// Those of the edges of the graph. They are known from learning.
+  /// The dissimilarities of the edges of the graph, which are known from learning.
   std::span<const double> initial_dissimilarities() const { return initial_; }
   double weight(double dissimilarity) const { return dissimilarity; }
   bool too_small(std::uint32_t r) const { return regions_[r].points < min_points_; }

@@ -25,7 +25,7 @@ struct alignas(64) Voxel {
   std::uint32_t neighbor_count;
 };
 
-/// What the distance of VCCS needs beside features, in which the weights of position and color are contained.
+/// The part of the distance of VCCS that features do not contain. They are scaled by the other two weights.
 struct DistanceWeights {
   float normal;
   bool colored;  ///< false if all colors are 0
