@@ -8,6 +8,8 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
 #include "proto/wire/codec_message.hpp"
+#include "segserve/wire/codec.hpp"
+#include "segserve/wire/outputs.hpp"
 
 namespace segserve::segctl {
 
