@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(SEGSERVE_ANNOTATE_FOR_TSAN)
 #include <sanitizer/tsan_interface.h>
 #endif
 
@@ -17,7 +17,7 @@ namespace {
 
 // Debian's TBB is not built for ThreadSanitizer, which therefore does not see that TBB starts a part after the caller
 // and ends it before the caller goes on. These tell it.
-#if defined(__SANITIZE_THREAD__)
+#if defined(SEGSERVE_ANNOTATE_FOR_TSAN)
 void announce(void* fork_or_join) { __tsan_release(fork_or_join); }
 void observe(void* fork_or_join) { __tsan_acquire(fork_or_join); }
 #else
