@@ -109,6 +109,22 @@ def own_sources():
     return {path: (ROOT / path).read_text() for path in listed if (ROOT / path).is_file()}
 
 
+def graph_of(sources):
+    """Path -> the files of ours that it includes."""
+    headers = {path for path in sources if path.endswith((".hpp", ".h"))}
+    return {path: {resolve(include, headers) for include in INCLUDE.findall(text)} - {None} for path, text in sources.items()}
+
+
+def reachable(path, graph):
+    """A file and all that it includes, by way of others too."""
+    found, waiting = {path}, [path]
+    while waiting:
+        new = graph.get(waiting.pop(), set()) - found
+        found |= new
+        waiting.extend(new)
+    return found
+
+
 def print_arrows(sources):
     headers = {path for path in sources if path.endswith((".hpp", ".h"))}
     arrows = collections.Counter()

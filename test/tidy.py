@@ -1,16 +1,15 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Runs clang-tidy over our sources in a build folder (not the tests).
+"""Runs clang-tidy over our sources, not the tests.
 
 Without --all it looks at the sources that changed since a base, and at one source that includes each changed header. A source
 that passed before is not looked at again until it, a file that it includes, its compiler command or a .clang-tidy changes; this
-is remembered in $XDG_CACHE_HOME/segserve/tidy and holds across build folders.
+is remembered in $XDG_CACHE_HOME/segserve/tidy and holds across clones.
 """
 
 import argparse
 import concurrent.futures
 import hashlib
-import json
 import os
 import pathlib
 import re
@@ -18,50 +17,14 @@ import subprocess
 import sys
 import time
 
+import compile_commands
+import include_graph
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CACHE = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or pathlib.Path.home() / ".cache") / "segserve" / "tidy"
 TIDY = "clang-tidy-16"  # 14, the default of bookworm, does not understand the ranges of its libstdc++
-PROTO_FILES = sorted((ROOT / "proto").rglob("*.proto"))
-CONFIGURATIONS = [ROOT / ".clang-tidy", *sorted((ROOT / "core").rglob(".clang-tidy"))]
 SECONDS_A_SOURCE = 12  # of one processor, about
 NOISE = re.compile(r"^\d+ warnings? .*generated\.$|^Suppressed |^Use -header-filter|^\d+ warnings? treated as errors?$")
-
-
-def included_files(build):
-    """Object file -> the files of the project (not the system's) that its source includes."""
-    lines = subprocess.run(["ninja", "-C", build, "-t", "deps"], capture_output=True, text=True, check=True).stdout
-    files, current = {}, []
-    for line in lines.splitlines():
-        if line.startswith("    "):
-            path = (build / line.strip()).resolve()
-            if not path.is_relative_to("/usr"):
-                current.append(path)
-        elif ": #deps" in line:
-            current = files.setdefault(line.split(":", 1)[0], [])
-    return files
-
-
-def without_precompiled_header(command):
-    """A compiler command as it would be without: each source must include what it uses."""
-    return re.sub(r" -Winvalid-pch| -fpch-preprocess| -include \S*/cmake_pch\.hxx", "", command)
-
-
-def fingerprint(entry, files, tidy_version):
-    """A hash of all that the verdict on a source depends on; None where that is not known (it was never compiled)."""
-    if not files:
-        return None
-    # What a precompiled header holds is not among a source's dependencies: of the project, that is only proto/.
-    if any(path.name.startswith("cmake_pch") for path in files):
-        files = [path for path in files if not path.name.startswith("cmake_pch")] + PROTO_FILES
-    digest = hashlib.sha256(tidy_version)
-    for configuration in CONFIGURATIONS:
-        digest.update(configuration.read_bytes())
-    digest.update(entry["command"].replace(str(ROOT), "").encode())
-    for path in sorted(files):
-        if not path.exists():
-            return None
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 def git(*arguments):
@@ -77,67 +40,73 @@ def base_commit():
 
 
 def changed_since(base):
-    """The files of ours that differ from the base, new ones too."""
-    names = git("diff", "--name-only", base).splitlines() + git("ls-files", "-o", "--exclude-standard").splitlines()
-    return {(ROOT / name).resolve() for name in names}
+    """The files that differ from the base, new ones too."""
+    return set(git("diff", "--name-only", base).splitlines() + git("ls-files", "-o", "--exclude-standard").splitlines())
 
 
-def select_changed(sources, files, changed):
-    """The changed ones of the sources, and for each changed header without a changed source that includes it one that does.
+def select_changed(sources, graph, changed):
+    """The changed ones of the sources, and for each changed header that none of them includes one source that does.
 
-    `files`: source -> the files that it includes.
+    `graph`: path -> the files of ours that it includes.
     """
+    reachable = {source: include_graph.reachable(source, graph) for source in sources}
     selected = {source for source in sources if source in changed}
-    covered = {path for source in selected for path in files.get(source, [])}
-    for header in sorted(path for path in changed if path.suffix in (".hpp", ".h") and path not in covered):
-        includer = next((source for source in sorted(sources) if header in files.get(source, [])), None)
-        if includer:
+    covered = set().union(*(reachable[source] for source in selected))
+    for header in sorted(path for path in changed if path.endswith(".hpp")):
+        includers = [source for source in sources if header in reachable[source]]
+        if includers and header not in covered:
+            own = header.removesuffix(".hpp") + ".cpp"
+            direct = [source for source in includers if header in graph[source]]
+            includer = own if own in includers else min(direct or includers)
             selected.add(includer)
-            covered.update(files[includer])
+            covered |= reachable[includer]
     return selected
 
 
-def check(source, database):
+def common_fingerprint():
+    """A hash of what every verdict depends on: clang-tidy, its configuration, and the API from which headers are generated."""
+    digest = hashlib.sha256(subprocess.run([TIDY, "--version"], capture_output=True, check=True).stdout)
+    for path in [*sorted(ROOT.glob(".clang-tidy")), *sorted(ROOT.glob("core/**/.clang-tidy")), *sorted(ROOT.glob("proto/**/*.proto"))]:
+        digest.update(path.read_bytes())
+    return digest.digest()
+
+
+def fingerprint(source, entry, graph, common):
+    """A hash of all that the verdict on a source depends on."""
+    digest = hashlib.sha256(common)
+    digest.update(entry["command"].replace(str(ROOT), "").encode())
+    for path in sorted(include_graph.reachable(source, graph)):
+        digest.update(path.encode() + b"\0" + (ROOT / path).read_bytes())
+    return digest.hexdigest()
+
+
+def check(source):
     """The complaints about one source, "" if there are none."""
-    result = subprocess.run(
-        [TIDY, "--quiet", "-p", database, "--extra-arg=-Wno-error", source],
-        capture_output=True, text=True, check=False)
+    command = [TIDY, "--quiet", "-p", str(compile_commands.BUILD), "--extra-arg=-Wno-error", str(ROOT / source)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
     complaints = [line for line in (result.stdout + result.stderr).splitlines() if line and not NOISE.match(line)]
     return "\n".join(complaints) if result.returncode else ""
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("build", type=pathlib.Path, help="a build folder in which everything is built, with ninja")
     parser.add_argument("pattern", nargs="?", default="", help="only sources whose path contains this")
     parser.add_argument("--all", action="store_true", help="all sources, not only those that changed")
     parser.add_argument("--minutes", type=float, help="stop after this time and leave the rest to a later run")
     parser.add_argument("-j", "--jobs", type=int, default=len(os.sched_getaffinity(0)))
     arguments = parser.parse_args()
-    build = arguments.build.resolve()
     started = time.monotonic()
 
-    commands = json.loads((build / "compile_commands.json").read_text())
-    for entry in commands:
-        entry["command"] = without_precompiled_header(entry["command"])
-    database = build / "tidy"
-    database.mkdir(exist_ok=True)
-    (database / "compile_commands.json").write_text(json.dumps(commands))
-    dependencies = included_files(build)
-    version = subprocess.run([TIDY, "--version"], capture_output=True, check=True).stdout
-    entries = {}
-    for entry in commands:
-        source = pathlib.Path(entry["file"]).resolve()
-        if not source.is_relative_to(build) and source.is_relative_to(ROOT) and not source.is_relative_to(ROOT / "test"):
-            entries[source] = entry
-    files = {source: dependencies.get(entry.get("output")) or [] for source, entry in entries.items()}
-    wanted = {source for source in entries if arguments.pattern in str(source.relative_to(ROOT))}
+    graph = include_graph.graph_of(include_graph.own_sources())
+    entries = {source: entry for source, entry in compile_commands.load().items() if not source.startswith("test/")}
+    wanted = {source for source in entries if arguments.pattern in source}
     if not arguments.all and not arguments.pattern:
         base = base_commit()
-        wanted = select_changed(entries, files, changed_since(base))
+        wanted = select_changed(sorted(entries), graph, changed_since(base))
         print(f"clang-tidy: sources that changed since {base[:12]}")
-    keys = {source: fingerprint(entries[source], files[source], version) for source in sorted(wanted)}
-    todo = {source: key for source, key in keys.items() if not key or not (CACHE / key).exists()}
+    common = common_fingerprint()
+    keys = {source: fingerprint(source, entries[source], graph, common) for source in sorted(wanted)}
+    todo = {source: key for source, key in keys.items() if not (CACHE / key).exists()}
 
     # A change of nearly everything does not fit into the time of a run for each change, and a verdict on some of it would
     # depend on the order of files.
@@ -150,14 +119,14 @@ def main():
     deadline = started + 60 * arguments.minutes if arguments.minutes else float("inf")
     failed, left = 0, 0
     with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
-        verdicts = pool.map(lambda source: check(source, database) if time.monotonic() < deadline else None, todo)
+        verdicts = pool.map(lambda source: check(source) if time.monotonic() < deadline else None, todo)
         for (source, key), complaints in zip(todo.items(), verdicts):
             if complaints is None:
                 left += 1
             elif complaints:
                 failed += 1
-                print(f"{source.relative_to(ROOT)}:\n{complaints}\n", flush=True)
-            elif key:
+                print(f"{source}:\n{complaints}\n", flush=True)
+            else:
                 (CACHE / key).touch()
     print(f"clang-tidy: {len(todo) - left} sources looked at, {failed} with faults, {len(keys) - len(todo)} unchanged since they "
           f"passed, {left} left for a run with more time ({time.monotonic() - started:.0f} s)")
