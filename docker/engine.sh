@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# A Docker engine and the base image, where there are none: for our scripts; after deploy/common.sh.
+# Gives our scripts a Docker engine and the base image where there are none. Source it after deploy/common.sh.
 
 engine_pid=""
 
-# engine_up: uses the engine that answers, else starts one as root, with its data in the cache folder.
+# engine_up: uses the engine that answers, or else starts one as root with its data in the cache folder.
 engine_up() {
   deploy/install-packages container
   PATH="$PATH:/usr/sbin:/sbin"
@@ -25,11 +25,11 @@ engine_up() {
     sleep 0.2
   done
   tail -n 20 "$log" >&2
-  echo "dockerd did not start; all it said is in $log" >&2
+  echo "dockerd did not start. Its log is $log" >&2
   return 1
 }
 
-# engine_down: ends the engine that engine_up started, and no other.
+# engine_down: ends the engine if engine_up started it.
 engine_down() {
   if [ -z "$engine_pid" ]; then return; fi
   kill "$engine_pid" 2> /dev/null || true
@@ -37,7 +37,7 @@ engine_down() {
   engine_pid=""
 }
 
-# base_image: debian:bookworm-slim, made from Debian's packages if the engine does not have it (there may be no registry).
+# base_image: makes debian:bookworm-slim from Debian's packages if the engine does not have it, since there may be no registry.
 base_image() {
   if docker image inspect debian:bookworm-slim > /dev/null 2>&1; then return; fi
   local tar

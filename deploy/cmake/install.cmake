@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What `cmake --install` puts where, so that find_package(segserve) works: one export set per component of the package.
+# Says what `cmake --install` puts where, so that find_package(segserve) works. Each component of the package has an export set.
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/segserve)
 
 install(TARGETS segserve_core segserve_codec EXPORT segserveCoreTargets)
