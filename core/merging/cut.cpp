@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/radix_sort.hpp"
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "fmt/format.h"
 #include "segserve/merge_tree.hpp"
@@ -36,7 +37,7 @@ absl::StatusOr<Cut> cut_after(const MergeTree& tree, std::size_t rows, const Sto
                  [&](std::size_t s) { number[segments[order[s]]] = static_cast<std::uint32_t>(s + 1); });
   Cut cut{std::vector<std::uint32_t>(m), static_cast<std::uint32_t>(segments.size())};
   check.for_each(0, m, [&](std::size_t leaf) { cut.segment_of_leaf[leaf] = number[root[leaf]]; });
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  RETURN_IF_ERROR(check.status());
   return cut;
 }
 

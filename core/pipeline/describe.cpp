@@ -23,8 +23,7 @@ absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken&
       if (supervoxel > 0) segment_of_leaf[supervoxel - 1] = segmentation.labels[i];
     });
     RETURN_IF_ERROR(check.status());
-    set_normals(segmentation.supervoxel_normals, segment_of_leaf, statistics, stop);
-    RETURN_IF_ERROR(stop.check());
+    RETURN_IF_ERROR(set_normals(segmentation.supervoxel_normals, segment_of_leaf, statistics, stop));
   }
   segmentation.statistics = std::move(statistics);
   segmentation.timings.segments = watch.lap();

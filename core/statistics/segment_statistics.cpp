@@ -102,8 +102,9 @@ absl::StatusOr<std::vector<SegmentStatistics>> describe_segments(const CloudView
   return result;
 }
 
-void set_normals(std::span<const Eigen::Vector3d> supervoxel_normals, std::span<const std::uint32_t> segment_of_leaf,
-                 std::span<SegmentStatistics> statistics, const StopToken& stop) {
+absl::Status set_normals(std::span<const Eigen::Vector3d> supervoxel_normals,
+                         std::span<const std::uint32_t> segment_of_leaf, std::span<SegmentStatistics> statistics,
+                         const StopToken& stop) {
   constexpr double kNothing = 1e-6;  // unit vectors that cancel out leave a sum of rounding errors
   StopCheck check(stop);
   std::vector<Vec3> sums(statistics.size());
@@ -114,6 +115,7 @@ void set_normals(std::span<const Eigen::Vector3d> supervoxel_normals, std::span<
   check.for_each(0, sums.size(), [&](std::size_t s) {
     statistics[s].normal = norm(sums[s]) > kNothing ? std::optional(to_eigen(unit(sums[s]))) : std::nullopt;
   });
+  return check.status();
 }
 
 }  // namespace segserve

@@ -35,17 +35,19 @@ struct StageTimings {
 struct Segmentation {
   std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not segmented, 1..segments by descending size
   std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
-  MergeTree tree;                          ///< the whole hierarchy; cut it anew without segmenting again
-  std::uint32_t segments = 0;
-  /// Of the segments, largest first, kMostDescribedSegments at most; empty unless asked for: see describe.
+  MergeTree tree;                          ///< the whole hierarchy, which can be cut anew without segmenting again
+  std::uint32_t segments = 0;              ///< number of segments
+  /// Statistics of the kMostDescribedSegments largest segments, largest first. Empty unless `describe` sets them.
   std::vector<SegmentStatistics> statistics;
   std::vector<Eigen::Vector3d> supervoxel_normals;  ///< m: sums of the unit normals of each supervoxel's voxels
-  std::size_t finite_points = 0;                    ///< segmented or not
-  std::size_t segmented_points = 0;                 ///< with a label other than 0: the sum over the tree's leaves
-  std::optional<SupportPlane> support_plane;        ///< set if its removal was asked for
-  std::size_t voxels = 0;                           ///< that were segmented
-  std::optional<double> threshold;                  ///< of the cut; unset if the caller asked for a number of regions
-  double lambda = 0;  ///< weight of color that was used; of the paper's methods only (1/2 for Equalization)
+  std::size_t finite_points = 0;                    ///< points that are finite, segmented or not
+  std::size_t segmented_points = 0;                 ///< points with a label other than 0
+  std::optional<SupportPlane> support_plane;        ///< set if the options ask for its removal
+  std::size_t voxels = 0;                           ///< voxels that were segmented
+  std::optional<double> threshold;                  ///< of the cut; unset if the options ask for a number of regions
+  /// The weight of color against geometry that a method of the paper used; 1/2 for Equalization. 0 with the border
+  /// method, which has no such weight.
+  double lambda = 0;
   StageTimings timings;
 };
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/stop_token.hpp"
@@ -54,8 +55,9 @@ absl::StatusOr<std::vector<SegmentStatistics>> describe_segments(const CloudView
 
 /// Sets the normals from those of the m supervoxels (see Segmentation::supervoxel_normals) that the segments consist
 /// of. `segment_of_leaf` (m) is as in Cut; segments without an entry in `statistics` are ignored. The normals are
-/// useless if `stop` stopped the function.
-void set_normals(std::span<const Eigen::Vector3d> supervoxel_normals, std::span<const std::uint32_t> segment_of_leaf,
-                 std::span<SegmentStatistics> statistics, const StopToken& stop = {});
+/// unspecified unless OK is returned. CANCELLED, DEADLINE_EXCEEDED.
+absl::Status set_normals(std::span<const Eigen::Vector3d> supervoxel_normals,
+                         std::span<const std::uint32_t> segment_of_leaf, std::span<SegmentStatistics> statistics,
+                         const StopToken& stop = {});
 
 }  // namespace segserve

@@ -63,7 +63,7 @@ struct VoxelGroups {
   const RowSpan* spans;
 };
 
-/// The weights of refit_neighborhoods (EdgeAwareOptions).
+/// The weights of refit_neighborhoods (RefinementOptions).
 struct RefitScales {
   float angle;    ///< factor of 1 - cosine in the exponent
   float offset;   ///< factor of the squared offset, in voxels, in the exponent

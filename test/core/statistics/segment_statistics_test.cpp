@@ -171,8 +171,9 @@ TEST(SegmentStatistics, OfLabelsThatDoNotFitAreAnError) {
 
 TEST(SetNormals, TakesTheDirectionOfTheSum) {
   std::vector<SegmentStatistics> segments(3);
-  set_normals(std::vector<Vector3d>{{0, 0, 3}, {0, 4, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {9, 9, 9}},
-              std::vector<std::uint32_t>{1, 1, 2, 2, 3, 4}, segments);
+  const std::vector<Vector3d> normals{{0, 0, 3}, {0, 4, 0}, {1, 0, 0}, {-1, 0, 0}, {0, 0, 0}, {9, 9, 9}};
+  const std::vector<std::uint32_t> segment_of_leaf{1, 1, 2, 2, 3, 4};
+  ASSERT_TRUE(set_normals(normals, segment_of_leaf, segments).ok());
   ASSERT_TRUE(segments[0].normal);
   expect_near(*segments[0].normal, {0, 0.8, 0.6}, 1e-15);
   EXPECT_FALSE(segments[1].normal) << "they cancel out";
