@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <utility>
 
 #include "core/base/status_macros.hpp"
 #include "proto/wire/codec_message.hpp"
@@ -48,7 +47,7 @@ absl::StatusOr<FrameSettings> FrameResolver::resolve_call(const v1::SegmentReque
   const std::uint64_t claimed = points_of_shape(cloud);
   RETURN_IF_ERROR(check_kind_and_claims(cloud, claimed, 0));
   const std::uint64_t estimate = claimed != 0 ? claimed : points_of_bytes(cloud.ByteSizeLong());
-  return settings(std::move(parsed), arrival, deadline, estimate);
+  return settings(parsed, arrival, deadline, estimate);
 }
 
 absl::StatusOr<wire::ParsedRequest> FrameResolver::resolve_stream(const v1::StreamOpen& open) const {
@@ -61,7 +60,7 @@ absl::StatusOr<FrameSettings> FrameResolver::resolve_frame(const v1::FrameHeader
   const std::uint64_t claimed = std::max(header.points(), points_of_shape(header.cloud()));
   RETURN_IF_ERROR(check_kind_and_claims(header.cloud(), claimed, header.decoded_bytes()));
   const std::uint64_t estimate = claimed != 0 ? claimed : points_of_bytes(header.encoded_bytes());
-  return settings(std::move(parsed), arrival, end_of_life(header, arrival), estimate);
+  return settings(parsed, arrival, end_of_life(header, arrival), estimate);
 }
 
 absl::Status FrameResolver::check_kind_and_claims(const v1::Cloud& cloud, std::uint64_t points,
@@ -79,7 +78,7 @@ absl::Status FrameResolver::check_kind_and_claims(const v1::Cloud& cloud, std::u
 FrameSettings FrameResolver::settings(wire::ParsedRequest request, Time arrival, std::optional<Time> deadline,
                                       std::uint64_t estimated_points) const {
   request.options.threads = std::min(request.options.threads, max_threads_);
-  return {.options = std::move(request.options),
+  return {.options = request.options,
           .outputs = request.outputs,
           .decode_limits = decode_limits_,
           .arrival = arrival,
