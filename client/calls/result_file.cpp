@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "segserve/client/result_file.hpp"
 
-#include <zlib.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -11,6 +9,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
+#include "proto/wire/byte_run.hpp"
 #include "proto/wire/result_message.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/segment.pb.h"
@@ -23,10 +22,6 @@ constexpr std::string_view kVersion = "2";
 constexpr std::size_t kMaxHeader = 64;  // bytes
 /// Protobuf reads no larger message.
 constexpr std::size_t kMaxPayload = std::numeric_limits<std::int32_t>::max();
-
-std::uint32_t crc32_of(std::string_view bytes) {
-  return static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 struct Header {
   std::uint64_t payload_bytes = 0;
@@ -75,7 +70,7 @@ absl::Status check_payload(std::string_view payload, const Header& header) {
     return absl::InvalidArgumentError(
         fmt::format("the saved result has {} bytes, more than the {} that can be read", payload.size(), kMaxPayload));
   }
-  if (crc32_of(payload) != header.crc) {
+  if (wire::crc32(0, payload) != header.crc) {
     return absl::InvalidArgumentError("the saved result is damaged: its checksum differs");
   }
   return absl::OkStatus();
@@ -96,7 +91,7 @@ absl::StatusOr<std::string> encode_result_file(const Result& result) {
         "the result is too large for a file: {} bytes, at most {} are allowed", response.ByteSizeLong(), kMaxPayload));
   }
   const std::string payload = response.SerializeAsString();
-  return fmt::format("{}{} {} {:08x}\n", kMagic, kVersion, payload.size(), crc32_of(payload)) + payload;
+  return fmt::format("{}{} {} {:08x}\n", kMagic, kVersion, payload.size(), wire::crc32(0, payload)) + payload;
 }
 
 absl::StatusOr<Result> decode_result_file(std::string_view bytes) {

@@ -15,7 +15,7 @@ constexpr std::uint64_t kMostReservedAtOnce = std::uint64_t{64} << 20U;
 
 }  // namespace
 
-// libdeflate's is several times faster than zlib's, and at 5 MB a frame that counts.
+// libdeflate computes it several times faster than zlib, which counts for frames of megabytes.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes) {
   return libdeflate_crc32(crc_so_far, bytes.data(), bytes.size());
 }

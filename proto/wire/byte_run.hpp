@@ -15,7 +15,7 @@ namespace segserve::wire {
 /// Most bytes of one chunk. Larger ones would hold up cancels, smaller ones cost calls.
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 10U;
 
-/// CRC-32 of zlib, PNG and RFC 1952.
+/// The CRC-32 of zlib, PNG and RFC 1952, over the bytes so far followed by `bytes`; that of no bytes is 0.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes);
 
 /// The bytes of a message's blocks.
