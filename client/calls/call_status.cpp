@@ -12,7 +12,7 @@ namespace {
 /// Whether gRPC made the error because no server answered.
 bool is_connection_error(const absl::Status& status, const wire::ErrorDetails& details) {
   const bool candidate = absl::IsUnavailable(status) || absl::IsDeadlineExceeded(status);
-  return candidate && details.reason == v1::ERROR_REASON_UNSPECIFIED;
+  return candidate && details.reason == wire::ErrorReason::kUnspecified;
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ using HealthResponse = grpc::health::v1::HealthCheckResponse;
 using Timeout = std::optional<std::chrono::milliseconds>;
 
 bool is_too_large(const absl::Status& status) {
-  return wire::details_of(status).reason == v1::ERROR_REASON_LIMIT_EXCEEDED;
+  return wire::details_of(status).reason == wire::ErrorReason::kLimitExceeded;
 }
 
 /// The result of a stream, or else why a unary call would not do: a server without streams has no other limits.

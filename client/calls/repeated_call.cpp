@@ -18,7 +18,7 @@ namespace {
 bool is_worth_another(const ClientOptions& options, const absl::Status& status, std::uint32_t tries,
                       const AddressBook& book) {
   if (!is_retryable(status)) return false;
-  const bool server_said_so = wire::details_of(status).reason != v1::ERROR_REASON_UNSPECIFIED;
+  const bool server_said_so = wire::details_of(status).reason != wire::ErrorReason::kUnspecified;
   if (server_said_so) return tries < options.retry.max_attempts;
   return options.wait_for_server || !book.nobody_in_reach();
 }

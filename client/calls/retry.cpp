@@ -13,7 +13,7 @@ bool is_retryable(const absl::Status& status) {
     case absl::StatusCode::kCancelled:
       return true;
     case absl::StatusCode::kDeadlineExceeded:
-      return wire::details_of(status).reason == v1::ERROR_REASON_UPLOAD_STALLED;
+      return wire::details_of(status).reason == wire::ErrorReason::kUploadStalled;
     default:
       return false;
   }

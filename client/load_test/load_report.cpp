@@ -19,9 +19,9 @@ double milliseconds(client::Clock::duration duration) {
 std::string error_key(const client::Outcome& outcome) {
   if (outcome.kind != client::OutcomeKind::kFailed) return client::name(outcome.kind);
   const auto reason = wire::details_of(outcome.status).reason;
-  const bool has_reason = reason != v1::ERROR_REASON_UNSPECIFIED;
+  const bool has_reason = reason != wire::ErrorReason::kUnspecified;
   return fmt::format("{} {}{}{}", client::name(outcome.kind), absl::StatusCodeToString(outcome.status.code()),
-                     has_reason ? " " : "", has_reason ? wire::reason_name(reason) : "");
+                     has_reason ? " " : "", has_reason ? wire::name(reason) : "");
 }
 
 }  // namespace

@@ -164,7 +164,7 @@ void StreamScheduler::on_outcome(ServerLink& link, StreamProtocol::Event& event,
   if (!event.intact) {
     const absl::Status error =
         wire::with_reason(absl::AbortedError("the bytes of the result do not have the checksum that was announced"),
-                          v1::ERROR_REASON_CHECKSUM);
+                          wire::ErrorReason::kChecksum);
     return frames_.send_again(*frame, error, now, now);
   }
   if (kind == OutcomeKind::kResult) frame->undecoded.message = std::move(*event.outcome.mutable_result());

@@ -14,8 +14,13 @@ namespace segserve::wire {
 namespace {
 
 constexpr std::string_view kDomain = "segserve";
-constexpr std::string_view kReasonPrefix = "ERROR_REASON_";
 constexpr std::string_view kAnyPrefix = "type.googleapis.com/";
+
+// In the order of the enum.
+constexpr std::array<std::string_view, 13> kReasonNames{
+    "UNSPECIFIED", "INVALID_FIELD",  "MALFORMED_PAYLOAD", "INVALID_CLOUD", "LIMIT_EXCEEDED",
+    "QUEUE_FULL",  "DRAINING",       "DEADLINE_EXCEEDED", "CANCELLED",     "INTERNAL",
+    "CHECKSUM",    "UPLOAD_STALLED", "PROTOCOL_VIOLATION"};
 
 /// The details we know, by the type URL under which both google.protobuf.Any and absl::Status keep them.
 template <typename Message>
@@ -47,30 +52,30 @@ void copy_detail(const google::rpc::Status& from, absl::Status& to) {
 ErrorReason implied_reason(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
-      return v1::ERROR_REASON_UNSPECIFIED;
+      return ErrorReason::kUnspecified;
     case absl::StatusCode::kResourceExhausted:
-      return v1::ERROR_REASON_QUEUE_FULL;
+      return ErrorReason::kQueueFull;
     case absl::StatusCode::kUnavailable:
-      return v1::ERROR_REASON_DRAINING;
+      return ErrorReason::kDraining;
     case absl::StatusCode::kDeadlineExceeded:
-      return v1::ERROR_REASON_DEADLINE_EXCEEDED;
+      return ErrorReason::kDeadlineExceeded;
     case absl::StatusCode::kCancelled:
-      return v1::ERROR_REASON_CANCELLED;
+      return ErrorReason::kCancelled;
     case absl::StatusCode::kAborted:
-      return v1::ERROR_REASON_CHECKSUM;
+      return ErrorReason::kChecksum;
     default:
-      return v1::ERROR_REASON_INTERNAL;
+      return ErrorReason::kInternal;
   }
 }
 
 bool is_in_api(absl::StatusCode code) {
-  return code == absl::StatusCode::kInvalidArgument || implied_reason(code) != v1::ERROR_REASON_INTERNAL;
+  return code == absl::StatusCode::kInvalidArgument || implied_reason(code) != ErrorReason::kInternal;
 }
 
 ErrorReason reason_from_name(std::string_view name) {
-  ErrorReason reason = v1::ERROR_REASON_UNSPECIFIED;
-  v1::ErrorReason_Parse(fmt::format("{}{}", kReasonPrefix, name), &reason);
-  return reason;
+  const auto* found = std::ranges::find(kReasonNames, name);
+  if (found == kReasonNames.end()) return ErrorReason::kUnspecified;
+  return static_cast<ErrorReason>(found - kReasonNames.begin());
 }
 
 /// gRPC's text when a message exceeds the receive limit: "Received message larger than max (9 vs. 8)".
@@ -81,16 +86,12 @@ bool is_message_too_large(const grpc::Status& status) {
 
 }  // namespace
 
-std::string reason_name(ErrorReason reason) {
-  const std::string& name = v1::ErrorReason_Name(reason);
-  return name.starts_with(kReasonPrefix) ? name.substr(kReasonPrefix.size())
-                                         : fmt::format("{}", static_cast<int>(reason));
-}
+std::string_view name(ErrorReason reason) { return kReasonNames[static_cast<std::size_t>(reason)]; }
 
 absl::Status with_details(absl::Status status, const ErrorDetails& details) {
   if (status.ok()) return status;
   google::rpc::ErrorInfo info;
-  info.set_reason(reason_name(details.reason));
+  info.set_reason(std::string(name(details.reason)));
   info.set_domain(std::string(kDomain));
   info.mutable_metadata()->insert(details.metadata.begin(), details.metadata.end());
   put(status, info);
@@ -144,7 +145,7 @@ ErrorDetails details_of(const absl::Status& status) {
 }
 
 absl::Status malformed(std::string_view message) {
-  return with_reason(absl::InvalidArgumentError(std::string(message)), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  return with_reason(absl::InvalidArgumentError(std::string(message)), ErrorReason::kMalformedPayload);
 }
 
 absl::Status invalid_fields(const std::vector<FieldViolation>& fields) {
@@ -154,15 +155,14 @@ absl::Status invalid_fields(const std::vector<FieldViolation>& fields) {
     fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ", fault.field,
                    fault.description);
   }
-  return with_details(absl::InvalidArgumentError(message),
-                      {.reason = v1::ERROR_REASON_INVALID_FIELD, .fields = fields});
+  return with_details(absl::InvalidArgumentError(message), {.reason = ErrorReason::kInvalidField, .fields = fields});
 }
 
 absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std::string_view unit,
                             std::string_view limit, std::uint64_t allowed) {
   return with_details(
       absl::InvalidArgumentError(fmt::format("{} {} {}, more than {} = {}", subject, actual, unit, limit, allowed)),
-      {.reason = v1::ERROR_REASON_LIMIT_EXCEEDED,
+      {.reason = ErrorReason::kLimitExceeded,
        .metadata = {{"limit", std::string(limit)},
                     {"allowed", fmt::format("{}", allowed)},
                     {"actual", fmt::format("{}", actual)}}});
@@ -204,7 +204,7 @@ absl::Status from_grpc(const grpc::Status& status) {
   if (is_message_too_large(status)) {
     return with_details(
         absl::InvalidArgumentError("the message exceeds the receiver's limit: " + status.error_message()),
-        {.reason = v1::ERROR_REASON_LIMIT_EXCEEDED, .metadata = {{"limit", "max_message_bytes"}}});
+        {.reason = ErrorReason::kLimitExceeded, .metadata = {{"limit", "max_message_bytes"}}});
   }
   google::rpc::Status message;
   if (!message.ParseFromString(status.error_details())) message.Clear();

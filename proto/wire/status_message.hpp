@@ -19,9 +19,6 @@
 // payloads (google.rpc messages under their Any type URLs), so that nothing is lost on the way.
 namespace segserve::wire {
 
-/// The name of a reason as it stands in google.rpc.ErrorInfo: "QUEUE_FULL".
-std::string reason_name(ErrorReason reason);
-
 /// The status with these details; those it had are replaced. OK statuses stay as they are.
 absl::Status with_details(absl::Status status, const ErrorDetails& details);
 

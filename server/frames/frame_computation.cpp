@@ -26,7 +26,7 @@ absl::StatusOr<Segmentation> segment_decoded(const CloudView& cloud, const Frame
   absl::StatusOr<Segmentation> segmentation = backend.segment(cloud, settings.options, stop);
   // The options were checked before, so an invalid argument can only be the cloud.
   if (absl::IsInvalidArgument(segmentation.status())) {
-    return wire::with_reason(segmentation.status(), v1::ERROR_REASON_INVALID_CLOUD);
+    return wire::with_reason(segmentation.status(), wire::ErrorReason::kInvalidCloud);
   }
   RETURN_IF_ERROR(segmentation.status());
   if (settings.outputs.segments) RETURN_IF_ERROR(describe(cloud, settings.options.threads, stop, *segmentation));

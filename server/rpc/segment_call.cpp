@@ -63,7 +63,7 @@ absl::Status SegmentCall::parse(grpc::ByteBuffer& request) {
   }
   if (!grpc::SerializationTraits<v1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
     return wire::with_reason(absl::InvalidArgumentError("the request is no serialized SegmentRequest"),
-                             v1::ERROR_REASON_MALFORMED_PAYLOAD);
+                             wire::ErrorReason::kMalformedPayload);
   }
   return absl::OkStatus();
 }

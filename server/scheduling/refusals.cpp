@@ -30,7 +30,7 @@ absl::Status queue_full(const Refusal& refusal, std::chrono::milliseconds retry_
   return wire::with_details(
       absl::ResourceExhaustedError(fmt::format("the queue is full: {} is {}, this would make it {}; try again later",
                                                limit, refusal.allowed, refusal.actual)),
-      {.reason = v1::ERROR_REASON_QUEUE_FULL,
+      {.reason = wire::ErrorReason::kQueueFull,
        .metadata = {{"limit", std::string(limit)},
                     {"allowed", fmt::format("{}", refusal.allowed)},
                     {"actual", fmt::format("{}", refusal.actual)}},
@@ -42,20 +42,20 @@ absl::Status evicted_from_queue(std::chrono::milliseconds retry_delay) {
       absl::ResourceExhaustedError(
           "the queue is full, and this client has the most in it, so this call made way for another "
           "client; try again later"),
-      {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = retry_delay});
+      {.reason = wire::ErrorReason::kQueueFull, .retry_delay = retry_delay});
 }
 
 absl::Status no_credit_left() {
   constexpr std::chrono::milliseconds kRetryDelay{1000};
   return wire::with_details(
       absl::ResourceExhaustedError("all credit of this server is given to other streams; try again later"),
-      {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = kRetryDelay});
+      {.reason = wire::ErrorReason::kQueueFull, .retry_delay = kRetryDelay});
 }
 
 absl::Status draining() {
   constexpr std::chrono::milliseconds kRetryElsewhere{500};
   return wire::with_details(absl::UnavailableError("the server is about to stop; try again with another replica"),
-                            {.reason = v1::ERROR_REASON_DRAINING, .retry_delay = kRetryElsewhere});
+                            {.reason = wire::ErrorReason::kDraining, .retry_delay = kRetryElsewhere});
 }
 
 }  // namespace segserve::server

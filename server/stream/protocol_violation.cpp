@@ -8,7 +8,7 @@ namespace segserve::server {
 
 absl::Status protocol_violation(std::string_view what) {
   return wire::with_reason(absl::InvalidArgumentError(fmt::format("protocol of the stream: {}", what)),
-                           v1::ERROR_REASON_PROTOCOL_VIOLATION);
+                           wire::ErrorReason::kProtocolViolation);
 }
 
 }  // namespace segserve::server

@@ -10,7 +10,7 @@ namespace segserve::server {
 absl::Status attach_payload(StreamFrame& frame) {
   if (frame.header.has_crc32() && frame.header.crc32() != frame.payload.crc32()) {
     return wire::with_reason(absl::AbortedError("the payload was damaged on its way; send the frame again"),
-                             v1::ERROR_REASON_CHECKSUM);
+                             wire::ErrorReason::kChecksum);
   }
   frame.payload.move_to(wire::payload_blocks(*frame.header.mutable_cloud()));
   return absl::OkStatus();

@@ -23,7 +23,7 @@ absl::Status unfinished_upload(const StreamFrame& frame) {
 absl::Status stalled(std::chrono::milliseconds timeout) {
   return wire::with_reason(
       absl::DeadlineExceededError(fmt::format("no chunk of the frame came for {} ms", timeout.count())),
-      v1::ERROR_REASON_UPLOAD_STALLED);
+      wire::ErrorReason::kUploadStalled);
 }
 
 /// The outcome of a frame whose turn it is.

@@ -151,7 +151,7 @@ class FakeServer final : public v1::SegmentationService::Service {
   }
 
   static absl::Status draining() {
-    return wire::with_reason(absl::UnavailableError("about to stop"), v1::ERROR_REASON_DRAINING);
+    return wire::with_reason(absl::UnavailableError("about to stop"), wire::ErrorReason::kDraining);
   }
 
   void open_stream(Stream& stream) {
@@ -185,12 +185,12 @@ class FakeServer final : public v1::SegmentationService::Service {
       case kBreak:
         return false;
       case kChecksum:
-        fail(stream, header, wire::with_reason(absl::AbortedError("crc"), v1::ERROR_REASON_CHECKSUM));
+        fail(stream, header, wire::with_reason(absl::AbortedError("crc"), wire::ErrorReason::kChecksum));
         return true;
       case kBusy:
         fail(stream, header,
-             wire::with_details(absl::ResourceExhaustedError("busy"),
-                                {.reason = v1::ERROR_REASON_QUEUE_FULL, .retry_delay = std::chrono::milliseconds(20)}));
+             wire::with_details(absl::ResourceExhaustedError("busy"), {.reason = wire::ErrorReason::kQueueFull,
+                                                                       .retry_delay = std::chrono::milliseconds(20)}));
         return true;
       case kInvalid:
         fail(stream, header, wire::malformed("no cloud at all"));

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 std::string error_of(const v1::Block& block, std::uint64_t expected) {
   std::string buffer;
   const auto bytes = block_bytes(block, expected, "the.block", buffer);
-  EXPECT_EQ(details_of(bytes.status()).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(details_of(bytes.status()).reason, ErrorReason::kMalformedPayload);
   return std::string(bytes.status().message());
 }
 
@@ -47,7 +47,7 @@ TEST(Block, OfUnknownSizeIsBoundedByALimit) {
     std::string buffer;
     EXPECT_EQ(block_bytes_up_to(block, 1000, "file", buffer).value(), std::string(1000, 'a'));
     const absl::Status status = block_bytes_up_to(block, 999, "the.file", buffer).status();
-    EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_LIMIT_EXCEEDED);
+    EXPECT_EQ(details_of(status).reason, ErrorReason::kLimitExceeded);
     EXPECT_THAT(std::string(status.message()), HasSubstr("the.file has 1000 bytes"));
   }
 }

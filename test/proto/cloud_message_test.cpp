@@ -120,7 +120,7 @@ TEST(WireCloud, NamesEveryWrongFieldAtOnce) {
   message.set_height(0);
   message.clear_view();
   EXPECT_THAT(wrong_fields(message), testing::UnorderedElementsAre("cloud.width", "cloud.height", "cloud.view"));
-  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(reason_of(message), ErrorReason::kInvalidField);
 }
 
 TEST(WireCloud, NeedsAPayload) { EXPECT_THAT(wrong_fields({}), testing::ElementsAre("cloud.payload")); }
@@ -142,7 +142,7 @@ TEST(WireCloud, JudgesTheView) {
 TEST(WireCloud, RefusesPlanesOfAnotherLengthByName) {
   v1::Cloud message = planar();
   message.mutable_planar()->mutable_y()->mutable_data()->pop_back();
-  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(message), ErrorReason::kMalformedPayload);
   EXPECT_THAT(decode_cloud(message, kLimits).status().ToString(), HasSubstr("cloud.planar.y"));
 
   message = planar();
@@ -154,7 +154,7 @@ TEST(WireCloud, ShapeWhoseProductOverflowsIsOverTheLimit) {
   v1::Cloud message = planar();
   message.set_width(0xffffffff);
   message.set_height(0xffffffff);
-  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(reason_of(message), ErrorReason::kLimitExceeded);
 }
 
 TEST(WireCloud, LimitsAreNamedWithTheirValues) {
@@ -172,14 +172,13 @@ TEST(WireCloud, LimitsAreNamedWithTheirValues) {
 TEST(WireCloud, PcdOverTheLimitOfPointsIsSaidToBe) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
   EXPECT_EQ(reason_of(to_pcd_message(file, std::nullopt), {.max_points = 5, .max_bytes = 10'000}),
-            v1::ERROR_REASON_LIMIT_EXCEEDED);
+            ErrorReason::kLimitExceeded);
 }
 
 TEST(WireCloud, TruncatedPcdIsMalformed) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
-  EXPECT_EQ(reason_of(to_pcd_message(file.substr(0, file.size() - 1), std::nullopt)),
-            v1::ERROR_REASON_MALFORMED_PAYLOAD);
-  EXPECT_EQ(reason_of(to_pcd_message("", std::nullopt)), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(to_pcd_message(file.substr(0, file.size() - 1), std::nullopt)), ErrorReason::kMalformedPayload);
+  EXPECT_EQ(reason_of(to_pcd_message("", std::nullopt)), ErrorReason::kMalformedPayload);
 }
 
 TEST(WireCloud, ShapeOfARequestMustAgreeWithThePcdFile) {
@@ -189,7 +188,7 @@ TEST(WireCloud, ShapeOfARequestMustAgreeWithThePcdFile) {
   message.set_height(2);
   EXPECT_TRUE(decode_cloud(message, kLimits).ok());
   message.set_height(3);
-  EXPECT_EQ(reason_of(message), v1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(reason_of(message), ErrorReason::kInvalidField);
 }
 
 }  // namespace

@@ -128,7 +128,7 @@ TEST_P(EachCodec, DamageIsRefusedOrDecodedWithinBounds) {
         const auto decoded = decode_cloud(message, kFew);
         if (decoded.ok()) continue;
         ASSERT_EQ(decoded.status().code(), absl::StatusCode::kInvalidArgument) << decoded.status();
-        ASSERT_NE(details_of(decoded.status()).reason, v1::ERROR_REASON_UNSPECIFIED);
+        ASSERT_NE(details_of(decoded.status()).reason, ErrorReason::kUnspecified);
       }
       *data = whole.substr(0, at);
       ASSERT_EQ(decode_cloud(message, kFew).status().code(), absl::StatusCode::kInvalidArgument) << at;
@@ -154,7 +154,7 @@ TEST_P(EachCodec, AStoppedDecodingEndsSoon) {
     });
     const auto decoded = decode_cloud(message, kEnough, StopToken(&cancelled, std::nullopt, &meter));
     EXPECT_EQ(decoded.status().code(), absl::StatusCode::kCancelled) << at << " of " << whole.units();
-    EXPECT_EQ(details_of(decoded.status()).reason, v1::ERROR_REASON_UNSPECIFIED) << "the payload is not at fault";
+    EXPECT_EQ(details_of(decoded.status()).reason, ErrorReason::kUnspecified) << "the payload is not at fault";
     EXPECT_LE(meter.units() - before, StopToken::kMostWorkAfterStop) << at << " of " << whole.units();
   }
   const StopToken late(nullptr, StopToken::Clock::now());
@@ -186,7 +186,7 @@ TEST(WireCodec, DracoIsRefusedUnlessEnabled) {
   *message.mutable_view() = to_message(View::camera());
   for (const absl::Status& status : {check_kind(message, kDefault), decode_cloud(message, kDefault).status()}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-    EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_INVALID_FIELD);
+    EXPECT_EQ(details_of(status).reason, ErrorReason::kInvalidField);
     EXPECT_THAT(std::string(status.message()),
                 HasSubstr("cloud.draco: not enabled here; enabled are planar, pcd_file, strided, quantised, rgbd"));
   }

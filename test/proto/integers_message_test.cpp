@@ -26,7 +26,7 @@ TEST(WireIntegers, RefusesWhatDoesNotFit) {
   const v1::IntegerArray good = to_message(std::vector<std::uint32_t>{1, 2, 3}, v1::COMPRESSION_NONE).value();
   const auto error_of = [](const v1::IntegerArray& message, std::uint64_t count, std::uint32_t maximum) {
     const absl::Status status = from_message(message, count, maximum, "ids").status();
-    EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD);
+    EXPECT_EQ(details_of(status).reason, ErrorReason::kMalformedPayload);
     return std::string(status.message());
   };
   EXPECT_THAT(error_of(good, 4, 3), HasSubstr("3 values, but must have 4"));

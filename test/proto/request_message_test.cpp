@@ -44,7 +44,7 @@ TEST(WireRequest, NamesEveryWrongFieldOfEveryPart) {
   request.mutable_options()->set_threshold(2);
   const absl::Status status = parse_request(request, {}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kInvalidField);
   std::vector<std::string> fields;
   for (const FieldViolation& fault : details_of(status).fields) fields.push_back(fault.field);
   EXPECT_THAT(fields, testing::UnorderedElementsAre("request_id", "cloud.width", "options.threshold"));

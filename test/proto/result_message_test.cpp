@@ -44,7 +44,7 @@ Result small_result() {
 
 std::string refusal(const v1::SegmentationResult& message, std::size_t points = 6) {
   const absl::Status status = from_message(message, points).status();
-  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kMalformedPayload) << status;
   return std::string(status.message());
 }
 

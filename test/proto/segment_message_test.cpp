@@ -18,7 +18,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::string refusal(const SegmentMessages& messages, std::uint32_t segments = 2, std::uint64_t points = 5) {
   const absl::Status status = from_message(messages, segments, points).status();
-  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kMalformedPayload) << status;
   return std::string(status.message());
 }
 

@@ -6,6 +6,7 @@
 #include "gmock/gmock.h"
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
+#include "segserve/v1/error_reason.pb.h"
 
 namespace segserve::wire {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using testing::HasSubstr;
 
 absl::Status full_status() {
-  return with_details(absl::ResourceExhaustedError("full"), {.reason = v1::ERROR_REASON_QUEUE_FULL,
+  return with_details(absl::ResourceExhaustedError("full"), {.reason = ErrorReason::kQueueFull,
                                                              .metadata = {{"limit", "max_queue"}},
                                                              .fields = {{"a.b", "wrong"}, {"c", "too"}},
                                                              .retry_delay = std::chrono::milliseconds(1500)});
@@ -22,7 +23,7 @@ absl::Status full_status() {
 TEST(WireStatus, OkIsOkBothWays) {
   EXPECT_TRUE(to_grpc(absl::OkStatus()).ok());
   EXPECT_TRUE(from_grpc(grpc::Status::OK).ok());
-  EXPECT_TRUE(with_reason(absl::OkStatus(), v1::ERROR_REASON_INTERNAL).ok());
+  EXPECT_TRUE(with_reason(absl::OkStatus(), ErrorReason::kInternal).ok());
   EXPECT_TRUE(invalid_fields({}).ok());
 }
 
@@ -30,7 +31,7 @@ TEST(WireStatus, EveryDetailSurvivesTheWire) {
   const absl::Status status = from_grpc(to_grpc(full_status()));
   EXPECT_EQ(status, full_status());
   const ErrorDetails details = details_of(status);
-  EXPECT_EQ(details.reason, v1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(details.reason, ErrorReason::kQueueFull);
   EXPECT_EQ(details.metadata.at("limit"), "max_queue");
   ASSERT_EQ(details.fields.size(), 2U);
   EXPECT_EQ(details.fields[0].field, "a.b");
@@ -51,22 +52,31 @@ TEST(WireStatus, DetailsAreWhatGoogleRpcReadersExpect) {
   EXPECT_EQ(info.domain(), "segserve");
 }
 
+TEST(WireStatus, ReasonsAreThoseOfTheApi) {
+  const auto& api = *v1::ErrorReason_descriptor();
+  for (int i = 0; i < api.value_count(); ++i) {
+    const auto reason = static_cast<ErrorReason>(api.value(i)->number());
+    EXPECT_EQ(api.value(i)->name(), "ERROR_REASON_" + std::string(name(reason)));
+    EXPECT_EQ(details_of(with_reason(absl::InternalError("x"), reason)).reason, reason);
+  }
+}
+
 TEST(WireStatus, TheFirstReasonWins) {
-  const absl::Status status = with_reason(full_status(), v1::ERROR_REASON_INTERNAL);
-  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_QUEUE_FULL);
+  const absl::Status status = with_reason(full_status(), ErrorReason::kInternal);
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kQueueFull);
 }
 
 TEST(WireStatus, ACodeImpliesItsReason) {
   const auto reason = [](const absl::Status& status) { return details_of(from_grpc(to_grpc(status))).reason; };
-  EXPECT_EQ(reason(absl::CancelledError("x")), v1::ERROR_REASON_CANCELLED);
-  EXPECT_EQ(reason(absl::DeadlineExceededError("x")), v1::ERROR_REASON_DEADLINE_EXCEEDED);
-  EXPECT_EQ(reason(absl::UnavailableError("x")), v1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(reason(absl::CancelledError("x")), ErrorReason::kCancelled);
+  EXPECT_EQ(reason(absl::DeadlineExceededError("x")), ErrorReason::kDeadlineExceeded);
+  EXPECT_EQ(reason(absl::UnavailableError("x")), ErrorReason::kDraining);
 }
 
 TEST(WireStatus, CodesThatTheApiDoesNotListAreInternal) {
   const grpc::Status status = to_grpc(absl::NotFoundError("no such file"));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INTERNAL);
-  EXPECT_EQ(details_of(from_grpc(status)).reason, v1::ERROR_REASON_INTERNAL);
+  EXPECT_EQ(details_of(from_grpc(status)).reason, ErrorReason::kInternal);
 }
 
 TEST(WireStatus, InvalidFieldsListsAllInTheMessage) {
@@ -85,7 +95,7 @@ TEST(WireStatus, GrpcsOwnRefusalOfALargeMessageIsOurs) {
   const absl::Status status =
       from_grpc({grpc::StatusCode::RESOURCE_EXHAUSTED, "Received message larger than max (10 vs. 9)"});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kLimitExceeded);
   EXPECT_THAT(std::string(status.message()), HasSubstr("10 vs. 9"));
 }
 
@@ -100,7 +110,7 @@ TEST(WireStatus, ForeignAndBrokenDetailsAreDropped) {
   message.add_details()->PackFrom(info);
   message.add_details()->set_type_url("type.googleapis.com/example.Unknown");
   const absl::Status foreign = from_grpc({grpc::StatusCode::UNAVAILABLE, "x", message.SerializeAsString()});
-  EXPECT_EQ(details_of(foreign).reason, v1::ERROR_REASON_UNSPECIFIED);
+  EXPECT_EQ(details_of(foreign).reason, ErrorReason::kUnspecified);
 }
 
 }  // namespace

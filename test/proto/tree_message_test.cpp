@@ -26,7 +26,7 @@ std::string refusal(Change&& change) {
   v1::MergeTree message = small_message();
   change(message);
   const absl::Status status = from_message(message, kLeaves, kPoints).status();
-  EXPECT_EQ(details_of(status).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD) << status;
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kMalformedPayload) << status;
   return std::string(status.message());
 }
 

@@ -12,9 +12,9 @@ namespace segserve::wire {
 absl::Status decode_error(const absl::Status& status) {
   if (absl::IsCancelled(status) || absl::IsDeadlineExceeded(status)) return status;
   const std::optional<codec::LimitExcess> excess = codec::limit_excess(status);
-  if (!excess) return with_reason(status, v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  if (!excess) return with_reason(status, ErrorReason::kMalformedPayload);
   return with_details(absl::Status(status.code(), status.message()),
-                      {.reason = v1::ERROR_REASON_LIMIT_EXCEEDED,
+                      {.reason = ErrorReason::kLimitExceeded,
                        .metadata = {{"limit", excess->limit == "max_bytes" ? "max_decoded_bytes" : excess->limit},
                                     {"allowed", fmt::format("{}", excess->allowed)},
                                     {"actual", fmt::format("{}", excess->actual)}}});

@@ -102,7 +102,7 @@ TEST_F(AnswerTest, AnAnswerWithoutTheSegmentsAskedForIsBroken) {
 TEST_F(AnswerTest, TheMessageNamesFieldsThatTheServersMessageDoesNot) {
   service_.answer = [](SegmentResponse&) {
     wire::ErrorDetails details;
-    details.reason = v1::ERROR_REASON_INVALID_FIELD;
+    details.reason = wire::ErrorReason::kInvalidField;
     details.fields = {{"options.threshold", "7 is not in [0, 1]"}, {"cloud.width", "is 0"}};
     return wire::to_grpc(wire::with_details(absl::InvalidArgumentError("the request is wrong"), details));
   };
@@ -115,7 +115,7 @@ TEST_F(AnswerTest, TheMessageNamesFieldsThatTheServersMessageDoesNot) {
 TEST_F(AnswerTest, TheMessageSaysWhenToTryAgain) {
   service_.answer = [](SegmentResponse&) {
     wire::ErrorDetails details;
-    details.reason = v1::ERROR_REASON_QUEUE_FULL;
+    details.reason = wire::ErrorReason::kQueueFull;
     details.retry_delay = std::chrono::milliseconds(250);
     return wire::to_grpc(wire::with_details(absl::ResourceExhaustedError("64 calls wait"), details));
   };

@@ -172,7 +172,7 @@ TEST_F(ClientTest, SaysWhatIsWrongWithTheCloud) {
   cloud.z[3] = -1;
   const auto remote = client().segment(cloud);
   EXPECT_TRUE(absl::IsInvalidArgument(remote.status())) << remote.status();
-  EXPECT_EQ(wire::details_of(remote.status()).reason, v1::ERROR_REASON_INVALID_CLOUD);
+  EXPECT_EQ(wire::details_of(remote.status()).reason, wire::ErrorReason::kInvalidCloud);
 }
 
 TEST_F(ClientTest, ServesSeveralThreadsAtOnce) {

@@ -19,7 +19,7 @@ using testing::HasSubstr;
 v1::Compression compression_of(const v1::SegmentRequest& request) { return request.cloud().planar().x().compression(); }
 
 bool is_limit_exceeded(const absl::Status& status) {
-  return absl::IsInvalidArgument(status) && wire::details_of(status).reason == v1::ERROR_REASON_LIMIT_EXCEEDED;
+  return absl::IsInvalidArgument(status) && wire::details_of(status).reason == wire::ErrorReason::kLimitExceeded;
 }
 
 TEST(Request, AnOrdinaryFrameIsSentRawUnlessAskedOtherwise) {

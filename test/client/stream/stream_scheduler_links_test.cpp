@@ -77,7 +77,7 @@ TEST(StreamScheduler, ObeysTheServersRetryInfo) {
   stream.send();
   EXPECT_EQ(stream.begun(), 1U);
   wire::ErrorDetails details;
-  details.reason = v1::ERROR_REASON_QUEUE_FULL;
+  details.reason = wire::ErrorReason::kQueueFull;
   details.retry_delay = milliseconds(3000);
   stream.fail(1, wire::with_details(absl::ResourceExhaustedError("full"), details));
   stream.pass(milliseconds(2990));

@@ -277,7 +277,7 @@ TEST_F(StreamTest, ACloudTooLargeForACallNeedsAServerWithStreams) {
   EXPECT_EQ(a_.frames, 1);
   a_.refuses_streams = true;
   const auto refused = client_of_a().segment(large);
-  EXPECT_EQ(wire::details_of(refused.status()).reason, v1::ERROR_REASON_LIMIT_EXCEEDED) << refused.status();
+  EXPECT_EQ(wire::details_of(refused.status()).reason, wire::ErrorReason::kLimitExceeded) << refused.status();
 }
 
 TEST_F(StreamTest, AFrameBeyondTheCreditFailsAndSaysWhy) {
@@ -286,7 +286,7 @@ TEST_F(StreamTest, AFrameBeyondTheCreditFailsAndSaysWhy) {
   const auto outcomes = run(*stream, {flat_cloud(8, 8), flat_cloud(20, 20)});
   ASSERT_EQ(outcomes.size(), 2U);
   EXPECT_EQ(outcomes[0].kind, OutcomeKind::kResult) << outcomes[0].status;
-  EXPECT_EQ(wire::details_of(outcomes[1].status).reason, v1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(wire::details_of(outcomes[1].status).reason, wire::ErrorReason::kLimitExceeded);
 }
 
 TEST_F(StreamTest, TheDeadlineOfAFrameHoldsWhateverTheServerDoes) {

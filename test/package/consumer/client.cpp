@@ -5,10 +5,15 @@
 #include <cstdio>
 #include <string>
 
+#include "segserve/v1/server_info.pb.h"
+#include "segserve/wire/error_details.hpp"
+
 int main() {
   const auto client = segserve::client::Client::connect({.address = "127.0.0.1:1"});
   if (!client.ok()) return 1;
   const absl::Status status = client->health();
   std::printf("%s\n", status.ToString().c_str());
-  return absl::IsUnavailable(status) ? 0 : 1;
+  if (!absl::IsUnavailable(status)) return 1;
+  if (segserve::wire::details_of(status).reason != segserve::wire::ErrorReason::kUnspecified) return 1;
+  return client->server_info().ok() ? 1 : 0;
 }

@@ -55,7 +55,7 @@ Answers resolve(const ServerOptions& options, const v1::Cloud& cloud) {
           resolver.resolve_frame(header_with(cloud), stream, kArrival)};
 }
 
-void expect_refused_alike(const Answers& answers, v1::ErrorReason reason, const std::string& text) {
+void expect_refused_alike(const Answers& answers, wire::ErrorReason reason, const std::string& text) {
   for (const absl::Status& status : {answers.call.status(), answers.frame.status()}) {
     EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
     EXPECT_EQ(wire::details_of(status).reason, reason) << status;
@@ -85,13 +85,13 @@ TEST(FrameResolver, GivesCallsAndFramesTheSameSettings) {
 }
 
 TEST(FrameResolver, RefusesKindsThatAreNotEnabledBeforeThePayloadComes) {
-  expect_refused_alike(resolve({}, draco()), v1::ERROR_REASON_INVALID_FIELD, "cloud.draco: not enabled here");
+  expect_refused_alike(resolve({}, draco()), wire::ErrorReason::kInvalidField, "cloud.draco: not enabled here");
 }
 
 TEST(FrameResolver, RefusesCloudsBeyondTheLimitsBeforeThePayloadComes) {
   ServerOptions options;
   options.max_points = 8;
-  expect_refused_alike(resolve(options, planar(9)), v1::ERROR_REASON_LIMIT_EXCEEDED, "max_points");
+  expect_refused_alike(resolve(options, planar(9)), wire::ErrorReason::kLimitExceeded, "max_points");
 }
 
 TEST(FrameResolver, EstimatesThePointsOfCloudsWithoutAShapeByTheirBytes) {

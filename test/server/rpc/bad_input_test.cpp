@@ -35,13 +35,13 @@ class BadInput : public testing::Test {
     EXPECT_FALSE(status.message().empty());
     message_ = std::string(status.message());
     const wire::ErrorDetails details = wire::details_of(status);
-    EXPECT_EQ(wire::reason_name(details.reason), wire::reason_name(reason)) << status;
+    EXPECT_EQ(wire::name(details.reason), wire::name(reason)) << status;
     return details;
   }
 
   std::vector<std::string> wrong_fields(const v1::SegmentRequest& request) {
     std::vector<std::string> fields;
-    for (const FieldViolation& fault : refuse(request, v1::ERROR_REASON_INVALID_FIELD).fields) {
+    for (const FieldViolation& fault : refuse(request, wire::ErrorReason::kInvalidField).fields) {
       fields.push_back(fault.field);
     }
     return fields;
@@ -68,14 +68,14 @@ TEST_F(BadInput, EmptyPlanarCloud) {
 TEST_F(BadInput, EmptyPcdFile) {
   const std::string header =
       "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 1\nPOINTS 0\nDATA binary\n";
-  refuse(request_for_pcd(header), v1::ERROR_REASON_INVALID_CLOUD);
+  refuse(request_for_pcd(header), wire::ErrorReason::kInvalidCloud);
   EXPECT_THAT(message_, HasSubstr("empty"));
 }
 
 TEST_F(BadInput, TruncatedPcdFile) {
   std::string file = codec::encode_pcd(wall_with_box(), {}, codec::PcdEncoding::kBinaryCompressed);
   file.resize(file.size() / 2);
-  refuse(request_for_pcd(file), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  refuse(request_for_pcd(file), wire::ErrorReason::kMalformedPayload);
 }
 
 TEST_F(BadInput, PcdHeaderThatLies) {
@@ -83,19 +83,19 @@ TEST_F(BadInput, PcdHeaderThatLies) {
   for (std::size_t at = file.find("10\n"); at < file.find("DATA"); at = file.find("10\n", at + 1)) {
     file.replace(at, 2, "1999999");
   }
-  refuse(request_for_pcd(file), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  refuse(request_for_pcd(file), wire::ErrorReason::kMalformedPayload);
 }
 
 TEST_F(BadInput, GarbageAsPcd) {
   refuse(request_for_pcd("\x7f"
                          "ELF, not a cloud"),
-         v1::ERROR_REASON_MALFORMED_PAYLOAD);
+         wire::ErrorReason::kMalformedPayload);
 }
 
 TEST_F(BadInput, PlaneOfTheWrongLength) {
   v1::SegmentRequest request = request_for(wall_with_box());
   request.mutable_cloud()->mutable_planar()->mutable_z()->mutable_data()->resize(17);
-  refuse(request, v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  refuse(request, wire::ErrorReason::kMalformedPayload);
   EXPECT_THAT(message_, HasSubstr("cloud.planar.z"));
 }
 
@@ -103,7 +103,7 @@ TEST_F(BadInput, BrokenZstd) {
   v1::SegmentRequest request = request_for(wall_with_box(), v1::COMPRESSION_ZSTD);
   std::string& bytes = *request.mutable_cloud()->mutable_planar()->mutable_x()->mutable_data();
   bytes.resize(bytes.size() - 3);
-  refuse(request, v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  refuse(request, wire::ErrorReason::kMalformedPayload);
   EXPECT_THAT(message_, HasSubstr("cloud.planar.x"));
 }
 
@@ -154,12 +154,12 @@ TEST_F(BadInput, NoRegions) {
 }
 
 TEST_F(BadInput, CoordinatesBeyondTheGrid) {
-  refuse(request_for(equal_points(5, 1e30F, 0, 0, View::world())), v1::ERROR_REASON_INVALID_CLOUD);
+  refuse(request_for(equal_points(5, 1e30F, 0, 0, View::world())), wire::ErrorReason::kInvalidCloud);
 }
 
 TEST_F(BadInput, CameraPointBehindTheCamera) {
   for (const float z : {0.0F, -1.0F}) {
-    refuse(request_for(equal_points(5, 0, 0, z)), v1::ERROR_REASON_INVALID_CLOUD);
+    refuse(request_for(equal_points(5, 0, 0, z)), wire::ErrorReason::kInvalidCloud);
     EXPECT_THAT(message_, HasSubstr("z"));
   }
 }
@@ -192,7 +192,7 @@ TEST_F(BadInput, BytesThatAreNoMessage) {
   bool ok = false;
   ASSERT_TRUE(queue.Next(&tag, &ok));
   EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(wire::details_of(wire::from_grpc(status)).reason, v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(wire::details_of(wire::from_grpc(status)).reason, wire::ErrorReason::kMalformedPayload);
 }
 
 // Odd requests that are valid have a defined result.
@@ -243,7 +243,7 @@ TEST(Faults, AnExceptionOfTheBackendIsInternalAndLeaksNothing) {
   for (int i = 0; i < 3; ++i) {
     const absl::Status status = server.segment(request_for(wall_with_box(8, 8))).status();
     EXPECT_EQ(status.code(), absl::StatusCode::kInternal);
-    EXPECT_EQ(wire::details_of(status).reason, v1::ERROR_REASON_INTERNAL);
+    EXPECT_EQ(wire::details_of(status).reason, wire::ErrorReason::kInternal);
     EXPECT_THAT(std::string(status.message()), testing::Not(HasSubstr("secret")));
   }
   EXPECT_TRUE(server.segment(request_for(wall_with_box(8, 8))).ok()) << "the worker goes on";

@@ -46,7 +46,7 @@ TEST_F(Drain, CallsInFlightFinishNewOnesAreRefusedAndHealthSaysSo) {
     refused = wire::from_grpc(server.stub().Segment(&context, request_, &response));
     return refused.code() == absl::StatusCode::kUnavailable;
   }));
-  EXPECT_EQ(wire::details_of(refused).reason, v1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(wire::details_of(refused).reason, wire::ErrorReason::kDraining);
   EXPECT_TRUE(wire::details_of(refused).retry_delay.has_value());
   EXPECT_EQ(stopped.wait_for(0ms), std::future_status::timeout);
 
@@ -97,7 +97,7 @@ TEST_F(Drain, AnIdleServerStillTellsLateCallsToGoElsewhere) {
   absl::Status refused;
   ASSERT_TRUE(eventually([&] { return !(refused = server.segment(request_).status()).ok(); }));
   EXPECT_EQ(refused.code(), absl::StatusCode::kUnavailable) << refused;
-  EXPECT_EQ(wire::details_of(refused).reason, v1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(wire::details_of(refused).reason, wire::ErrorReason::kDraining);
   EXPECT_TRUE(stopped.get());
 }
 

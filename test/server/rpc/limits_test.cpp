@@ -20,7 +20,7 @@ wire::ErrorDetails over_limit(RunningServer& server, const v1::SegmentRequest& r
   const absl::Status status = server.segment(request).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument) << status;
   const wire::ErrorDetails details = wire::details_of(status);
-  EXPECT_EQ(details.reason, v1::ERROR_REASON_LIMIT_EXCEEDED) << status;
+  EXPECT_EQ(details.reason, wire::ErrorReason::kLimitExceeded) << status;
   return details;
 }
 
@@ -92,7 +92,7 @@ TEST(Limits, AFullQueueSaysWhenToTryAgain) {
   const absl::Status refused = server.segment(request).status();
   EXPECT_EQ(refused.code(), absl::StatusCode::kResourceExhausted) << refused;
   const wire::ErrorDetails details = wire::details_of(refused);
-  EXPECT_EQ(details.reason, v1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(details.reason, wire::ErrorReason::kQueueFull);
   EXPECT_THAT(details.metadata,
               testing::UnorderedElementsAre(Pair("limit", "max_queue"), Pair("allowed", "2"), Pair("actual", "3")));
   ASSERT_TRUE(details.retry_delay.has_value());
@@ -151,7 +151,7 @@ TEST(Limits, AClientThatFillsTheQueueMakesWayForAnother) {
   }
   ASSERT_EQ(failed.size(), 1U);
   EXPECT_EQ(failed[0].code(), absl::StatusCode::kResourceExhausted) << failed[0];
-  EXPECT_EQ(wire::details_of(failed[0]).reason, v1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(wire::details_of(failed[0]).reason, wire::ErrorReason::kQueueFull);
   EXPECT_TRUE(wire::details_of(failed[0]).retry_delay.has_value());
 }
 

@@ -23,7 +23,7 @@ TEST(Session, HalfCloseInTheMiddleOfAFrameFailsIt) {
   harness.open();
   harness.say_header(SentFrame(1).header);
   harness.session->on_half_close();
-  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_MALFORMED_PAYLOAD);
+  EXPECT_EQ(reason_of(harness.outcome()), wire::ErrorReason::kMalformedPayload);
   EXPECT_EQ(harness.session->ended(), absl::OkStatus());
 }
 
@@ -42,7 +42,7 @@ TEST(Session, DrainingLetsFramesFinishAndRefusesLaterOnes) {
   const auto outcomes = harness.outcomes();
   ASSERT_EQ(outcomes.size(), 2U);
   EXPECT_EQ(outcomes[0].kind(), v1::OUTCOME_KIND_RESULT);
-  EXPECT_EQ(reason_of(outcomes[1]), v1::ERROR_REASON_DRAINING);
+  EXPECT_EQ(reason_of(outcomes[1]), wire::ErrorReason::kDraining);
   const auto ended = harness.session->ended();
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->code(), absl::StatusCode::kUnavailable);

@@ -101,7 +101,7 @@ TEST(Session, RejectRefusesTheNewestAndBlockLosesNothing) {
   ASSERT_EQ(outcomes.size(), 2U);
   EXPECT_EQ(outcomes[0].kind(), v1::OUTCOME_KIND_RESULT);
   EXPECT_EQ(outcomes[1].kind(), v1::OUTCOME_KIND_FAILED);
-  EXPECT_EQ(reason_of(outcomes[1]), v1::ERROR_REASON_QUEUE_FULL);
+  EXPECT_EQ(reason_of(outcomes[1]), wire::ErrorReason::kQueueFull);
 
   SessionHarness patient;
   patient.executor.capacity = 1;
@@ -134,7 +134,7 @@ TEST(Session, AnUploadThatStallsFails) {
   EXPECT_TRUE(harness.read().empty()) << "a slow one does not";
   harness.now += 1s;
   harness.session->on_tick();
-  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_UPLOAD_STALLED);
+  EXPECT_EQ(reason_of(harness.outcome()), wire::ErrorReason::kUploadStalled);
   harness.say_chunk(1, frame.bytes.next(1));  // the chunk was on its way
   harness.send(SentFrame(2));
   harness.compute();

@@ -20,7 +20,7 @@ void expect_violation(const SessionHarness& harness, const std::string& text) {
   const auto ended = harness.session->ended();
   ASSERT_TRUE(ended.has_value()) << text;
   EXPECT_EQ(ended->code(), absl::StatusCode::kInvalidArgument);
-  EXPECT_EQ(wire::details_of(*ended).reason, v1::ERROR_REASON_PROTOCOL_VIOLATION);
+  EXPECT_EQ(wire::details_of(*ended).reason, wire::ErrorReason::kProtocolViolation);
   EXPECT_THAT(std::string(ended->message()), HasSubstr(text));
 }
 
@@ -127,13 +127,13 @@ TEST(Session, AFailedFrameDoesNotEndTheStream) {
 
   SentFrame too_large(2, equal_points(1001, 0, 0, 1));
   harness.say_header(too_large.header);
-  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(reason_of(harness.outcome()), wire::ErrorReason::kLimitExceeded);
 
   SentFrame bad_cloud(3);
   harness.send(bad_cloud);
   harness.on_segment = [](const auto&, const auto&, const auto&) { return absl::InvalidArgumentError("z <= 0"); };
   harness.compute();
-  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_INVALID_CLOUD);
+  EXPECT_EQ(reason_of(harness.outcome()), wire::ErrorReason::kInvalidCloud);
 
   harness.on_segment = nullptr;
   harness.send(SentFrame(5));
@@ -158,7 +158,7 @@ TEST(Session, AnExceptionFailsItsFrameOnlyAndLeaksNothing) {
     const FrameOutcome failed = harness.outcome();
     EXPECT_EQ(failed.kind(), v1::OUTCOME_KIND_FAILED);
     EXPECT_EQ(failed.status().code(), static_cast<int>(absl::StatusCode::kInternal));
-    EXPECT_EQ(reason_of(failed), v1::ERROR_REASON_INTERNAL);
+    EXPECT_EQ(reason_of(failed), wire::ErrorReason::kInternal);
     EXPECT_THAT(failed.status().message(), testing::Not(HasSubstr("secret")));
 
     harness.on_segment = nullptr;
@@ -176,7 +176,7 @@ TEST(Session, WhatAHeaderAnnouncesMustHold) {
   sum.header.set_encoded_bytes(sum.header.encoded_bytes() + 1);
   harness.say_header(sum.header);
   FrameOutcome outcome = harness.outcome();
-  EXPECT_EQ(reason_of(outcome), v1::ERROR_REASON_INVALID_FIELD);
+  EXPECT_EQ(reason_of(outcome), wire::ErrorReason::kInvalidField);
   EXPECT_THAT(outcome.status().message(), HasSubstr("encoded_bytes"));
 
   SentFrame inside(2);
@@ -192,7 +192,7 @@ TEST(Session, WhatAHeaderAnnouncesMustHold) {
   SentFrame decoded(4);
   decoded.header.set_decoded_bytes(std::uint64_t{1} << 40U);
   harness.say_header(decoded.header);
-  EXPECT_EQ(reason_of(harness.outcome()), v1::ERROR_REASON_LIMIT_EXCEEDED);
+  EXPECT_EQ(reason_of(harness.outcome()), wire::ErrorReason::kLimitExceeded);
 }
 
 TEST(Session, DamagedPayloadIsToBeSentAgain) {
@@ -203,7 +203,7 @@ TEST(Session, DamagedPayloadIsToBeSentAgain) {
   harness.send(frame);
   const FrameOutcome outcome = harness.outcome();
   EXPECT_EQ(outcome.status().code(), static_cast<int>(absl::StatusCode::kAborted));
-  EXPECT_EQ(reason_of(outcome), v1::ERROR_REASON_CHECKSUM);
+  EXPECT_EQ(reason_of(outcome), wire::ErrorReason::kChecksum);
   EXPECT_EQ(harness.executor.queued(), 0U);
 }
 

@@ -210,7 +210,7 @@ TEST(Stream, AProtocolViolationEndsItAndTheServerGoesOn) {
   StubStream stream(server);
   stream.send(SentFrame(1));  // the server may end the stream before the frame is written
   const absl::Status status = stream.finish();
-  EXPECT_EQ(wire::details_of(status).reason, v1::ERROR_REASON_PROTOCOL_VIOLATION) << status;
+  EXPECT_EQ(wire::details_of(status).reason, wire::ErrorReason::kProtocolViolation) << status;
   StubStream other(server);
   EXPECT_TRUE(other.open());
   EXPECT_EQ(other.finish(), absl::OkStatus());

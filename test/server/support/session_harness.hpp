@@ -30,7 +30,7 @@ class ManualExecutor final : public FrameExecutor {
  public:
   absl::StatusOr<Ticket> submit(FrameJob job) override {
     if (!job.may_exceed_queue && jobs_.size() >= capacity) {
-      return wire::with_details(absl::ResourceExhaustedError("full"), {.reason = v1::ERROR_REASON_QUEUE_FULL});
+      return wire::with_details(absl::ResourceExhaustedError("full"), {.reason = wire::ErrorReason::kQueueFull});
     }
     jobs_.emplace_back(++last_, std::move(job));
     return last_;
@@ -173,7 +173,7 @@ class SessionHarness {
   std::shared_ptr<StreamSession> session;  // is destroyed first
 };
 
-inline v1::ErrorReason reason_of(const v1::FrameOutcome& outcome) {
+inline wire::ErrorReason reason_of(const v1::FrameOutcome& outcome) {
   return wire::details_of(wire::from_message(outcome.status())).reason;
 }
 
