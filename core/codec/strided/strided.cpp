@@ -173,6 +173,7 @@ absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_vi
   cloud.height = layout.height;
   cloud.view = view;
   cloud.resize(std::size_t{layout.width} * layout.height, roles->packed != nullptr || roles->channels);
+  if (cloud.size() == 0) return cloud;  // There may be 2^32 rows without a point.
   StopCheck check(stop);
   if (layout.is_bigendian) {
     read_points<std::endian::big>(layout, data, *roles, check, cloud);

@@ -2,6 +2,7 @@
 #include "segserve/codec/strided.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <utility>
 
@@ -88,6 +89,18 @@ TEST(Strided, ReadsDoublesAndSeparateChannels) {
   EXPECT_EQ(read->y.at(0), 4.25F);
   EXPECT_EQ(read->z.at(0), 0.5F);
   EXPECT_EQ(read->rgb.at(0), 0x010203U);
+}
+
+TEST(Strided, RowsWithoutPointsTakeNoTime) {
+  StridedLayout layout = encode_strided(make_sample(1, 4, 2, true, false).cloud).layout;
+  layout.width = 0;
+  layout.height = 0xffffffffU;
+  layout.row_step = 0;
+  const StopToken stop(nullptr, StopToken::Clock::now() + std::chrono::seconds(1));
+  const auto read = decode_strided(layout, "", View::camera(), {}, stop);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->size(), 0U);
+  EXPECT_EQ(read->height, 0xffffffffU);
 }
 
 struct Fault {
