@@ -16,9 +16,10 @@ namespace {
 
 absl::Status check_plane(std::string_view name, std::string_view bytes, std::uint64_t points,
                          std::uint64_t bytes_per_point) {
-  if (bytes.size() == points * bytes_per_point) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format("plane {} has {} bytes; {} points of {} bytes are {}", name,
-                                                bytes.size(), points, bytes_per_point, points * bytes_per_point));
+  // Division, because the product may exceed 64 bits.
+  if (bytes.size() / bytes_per_point == points && bytes.size() % bytes_per_point == 0) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format("plane {} has {} bytes, but {} points of {} bytes are needed", name,
+                                                bytes.size(), points, bytes_per_point));
 }
 
 absl::Status check_planes(const PlanarBytes& planes, std::uint64_t points, const DecodeLimits& limits) {

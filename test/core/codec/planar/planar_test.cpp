@@ -70,10 +70,10 @@ TEST(Planar, WrongLengthsAndLimitsAreNamed) {
     return decode_planar(planes, width, 2, View::camera(), limits).status();
   };
   expect_fault(status({good.x.substr(1), good.y, good.z, good.rgb}),
-               "plane x has 31 bytes; 8 points of 4 bytes are 32");
+               "plane x has 31 bytes, but 8 points of 4 bytes are needed");
   expect_fault(status({good.x, "", good.z, good.rgb}), "plane y has 0 bytes");
   expect_fault(status({good.x, good.y, good.rgb, good.rgb}), "plane z has 24 bytes");
-  expect_fault(status({good.x, good.y, good.z, good.x}), "plane rgb has 32 bytes; 8 points of 3 bytes are 24");
+  expect_fault(status({good.x, good.y, good.z, good.x}), "plane rgb has 32 bytes, but 8 points of 3 bytes are needed");
   expect_over_limit(status(good, {.max_points = 7}), "max_points", "8 points exceed the limit of 7 points");
   expect_over_limit(status(good, {.max_bytes = 119}), "max_bytes", "120 bytes exceed the limit of 119 bytes");
   expect_fault(status(good, {}, 0xFFFFFFFFU), "8589934590 points exceed the limit");
@@ -81,6 +81,11 @@ TEST(Planar, WrongLengthsAndLimitsAreNamed) {
                              {.max_points = std::numeric_limits<std::uint64_t>::max()})
                    .status(),
                "plane x");
+  // 2^62 points of 4 bytes are 0 bytes modulo 2^64.
+  expect_fault(
+      decode_planar({}, 1U << 31U, 1U << 31U, View::camera(), {.max_points = std::numeric_limits<std::uint64_t>::max()})
+          .status(),
+      "plane x has 0 bytes");
 }
 
 }  // namespace
