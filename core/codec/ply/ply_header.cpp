@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <utility>
 
 #include "core/codec/common/text_parsing.hpp"
@@ -166,6 +167,9 @@ absl::Status find_vertex(const DecodeLimits& limits, PlyHeader& header) {
     return over_limit(
         fmt::format("PLY header: element vertex {} exceeds the limit of {} points", points, limits.max_points),
         {"max_points", points, limits.max_points});
+  }
+  if (points > std::numeric_limits<std::uint32_t>::max()) {  // the width of the cloud
+    return fault("element vertex {} does not fit into 32 bits", points);
   }
   return absl::OkStatus();
 }

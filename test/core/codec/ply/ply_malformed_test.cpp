@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Wrong PLY files: each is refused with words that tell what is wrong, and none does harm.
 
+#include <limits>
+
 #include "segserve/codec/ply.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
 
@@ -83,6 +85,12 @@ TEST(PlyMalformed, EachFaultOfTheBodyIsNamed) {
     SCOPED_TRACE(fault.file);
     expect_fault(decode_ply(bytes_of(fault.file), DecodeLimits{}).status(), fault.words);
   }
+}
+
+TEST(PlyMalformed, MoreVerticesThanAWidthHoldsAreRefused) {
+  const std::string file = kBinary + "element vertex 4294967296\n" + kXyz + kEnd;
+  const std::uint64_t all = std::numeric_limits<std::uint64_t>::max();
+  expect_fault(decode_ply(bytes_of(file), {.max_points = all}).status(), "element vertex 4294967296 does not fit");
 }
 
 TEST(PlyMalformed, LimitsAreNamed) {
