@@ -67,7 +67,7 @@ std::optional<std::uint64_t> parse_count(std::string_view word) {
 }
 
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
-  if (word.starts_with('+')) word.remove_prefix(1);
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);  // std::from_chars takes no '+'
   return visit_type(type, [&]<typename T>(T value) {
     if constexpr (std::is_floating_point_v<T>) {
       if (!convert_float(word, value)) return false;

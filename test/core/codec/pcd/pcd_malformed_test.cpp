@@ -79,6 +79,7 @@ std::vector<Fault> body_faults() {
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6 7\n", "line 9 has 4 values"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6,0\n",
        "line 9: '6,0' is not a value of field 'z' (a float of 4"},
+      {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 +-6\n", "line 9: '+-6' is not a value of field 'z'"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 \x01\xff\n", "line 9: '?\?' is not a value"},
       {kFields + kTwoPoints + "DATA binary_compressed\n1234567", "7 bytes are there; binary_compressed begins with"},
       {compressed(100, 24, kTwelve), "claims 100 compressed bytes, 12 are there"},
