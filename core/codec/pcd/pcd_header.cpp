@@ -141,8 +141,12 @@ absl::Status read_fields(const Entries& entries, const DecodeLimits& limits, Pcd
                    quoted((*counts)->words[i]));
     }
     if (*count > (limits.max_bytes - point_bytes) / size_of(*type)) {
-      return fault("COUNT {} of field {} makes one point larger than the limit of {} bytes", *count, quoted(name),
-                   limits.max_bytes);
+      const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+      return over_limit(
+          fmt::format("PCD header: COUNT {} of field {} makes one point larger than the limit of {} bytes", *count,
+                      quoted(name), limits.max_bytes),
+          {"max_bytes", *count > (most - point_bytes) / size_of(*type) ? most : point_bytes + *count * size_of(*type),
+           limits.max_bytes});
     }
     header.fields.push_back({std::string(name), *type, static_cast<std::size_t>(*count)});
     point_bytes += header.fields.back().bytes();

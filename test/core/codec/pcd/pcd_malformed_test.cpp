@@ -118,6 +118,9 @@ TEST(PcdMalformed, LimitsAreNamed) {
                     "POINTS 100 exceeds the limit of 99 points");
   expect_over_limit(decode_pcd(bytes_of(file), {.max_bytes = 100}).status(), "max_bytes",
                     "exceeds the limit of 100 bytes");
+  const std::string wide = kFields + "COUNT 1 1 1000\n" + kTwoPoints + "DATA binary\n";
+  expect_over_limit(decode_pcd(bytes_of(wide), {.max_bytes = 4000}).status(), "max_bytes",
+                    "COUNT 1000 of field 'z' makes one point larger than the limit of 4000 bytes");
   EXPECT_TRUE(decode_pcd(bytes_of(file), {.max_points = 100, .max_bytes = file.size()}).ok());
 }
 
