@@ -13,24 +13,31 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
 
+// Point clouds in PCD and PLY files, the two formats of segserve/codec/pcd.hpp and segserve/codec/ply.hpp.
 namespace segserve::codec {
 
-/// How save_cloud writes: text, or the smallest lossless form of the format (binary_compressed
-/// for PCD, binary_little_endian for PLY).
-enum class FileEncoding : std::uint8_t { kBinary, kText };
+/// How save_cloud writes the numbers of a cloud. Both ways keep every float, color and label.
+enum class FileEncoding : std::uint8_t {
+  kBinary,  ///< the smallest binary form of the format: binary_compressed for PCD, binary_little_endian for PLY
+  kText,    ///< ascii
+};
 
-/// PLY if the bytes begin with PLY's magic line, else PCD.
+/// Decodes the bytes of a file: as PLY if they begin with PLY's magic line (is_ply), otherwise as PCD. A given `view`
+/// replaces the one that the format's own rule would choose. The errors are those of decode_ply and decode_pcd.
 absl::StatusOr<LabelledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                            std::optional<View> view = std::nullopt);
 
-/// Reads a file, or standard input if the path is "-"; the content tells the format (decode_cloud).
-/// NOT_FOUND or PERMISSION_DENIED if it cannot be opened, UNAVAILABLE if reading fails,
-/// INVALID_ARGUMENT if it is not a good cloud; messages begin with the path.
+/// Reads the file `path`, or standard input if the path is "-", and decodes its content with decode_cloud. The name of
+/// the file does not matter. NOT_FOUND or PERMISSION_DENIED if the file cannot be opened, UNAVAILABLE if reading it
+/// fails, INVALID_ARGUMENT if decode_cloud refuses its content or it is larger than a limit. Messages begin with the
+/// path.
 absl::StatusOr<LabelledCloud> load_cloud(const std::string& path, std::optional<View> view = std::nullopt,
                                          const DecodeLimits& limits = {});
 
-/// Writes by extension, .pcd or .ply in any case; "-" is PCD to standard output. `label` is empty
-/// or has an entry per point. INVALID_ARGUMENT for another extension; otherwise as load_cloud.
+/// Writes a cloud to the file `path` as PCD or PLY, which its extension (.pcd or .ply, in any case) chooses. The path
+/// "-" writes PCD to standard output. `label` has one entry per point, or is empty if there are no labels.
+/// INVALID_ARGUMENT for another extension, NOT_FOUND or PERMISSION_DENIED if the file cannot be opened, UNAVAILABLE if
+/// writing it fails; the file may then be incomplete. Messages begin with the path.
 absl::Status save_cloud(const std::string& path, const CloudView& cloud, std::span<const std::uint32_t> label,
                         FileEncoding encoding = FileEncoding::kBinary);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -9,24 +10,34 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/stop_token.hpp"
 
-// Google's Draco, sequentially encoded, which keeps the order of the points. Optional: see draco_is_built.
+// Clouds in Google's Draco format, bitstream 2.3 (https://google.github.io/draco/spec). Points are encoded
+// sequentially, which keeps their order. Draco stores finite points only, so a bitmap beside it tells which points are
+// finite.
 namespace segserve::codec {
 
-/// Whether this build has Draco (CMake: SEGSERVE_WITH_DRACO). Without it the functions below are UNIMPLEMENTED.
+/// Whether this build has Draco (CMake option SEGSERVE_WITH_DRACO). Without it encode_draco and decode_draco return
+/// UNIMPLEMENTED.
 bool draco_is_built();
 
+/// A cloud of N points as Draco's bytes and a bitmap.
 struct DracoFile {
-  std::string data;    ///< the finite points: POSITION, 3 floats; COLOR, 3 unsigned bytes. Empty if there is none
-  std::string finite;  ///< a bit per point of the cloud, the first lowest: 1 if it is finite; empty: all are
+  /// The finite points in their order: POSITION as 3 floats, meters, and COLOR as 3 unsigned bytes if the cloud has
+  /// color. Empty if no point is finite.
+  std::string data;
+  /// One bit per point, ceil(N / 8) bytes: bit i % 8 (0 is the lowest) of byte i / 8 is 1 if point i is finite. Empty
+  /// if all points are finite.
+  std::string finite;
 };
 
-/// Every coordinate of a finite point within `error_bound` meters, colors exactly; points that are not finite come
-/// back as NaN, black. INVALID_ARGUMENT unless the bound is above 0 and Draco's at most 30 bits can keep it.
+/// Encodes a cloud. The decoded cloud has every coordinate of a finite point within `error_bound` meters and its color
+/// exactly; points that are not finite are NaN and black. INVALID_ARGUMENT if the bound is not above 0, or if the 30
+/// bits that Draco has at most cannot keep it. INTERNAL if Draco fails.
 absl::StatusOr<DracoFile> encode_draco(const CloudView& cloud, double error_bound);
 
-/// The cloud of width * height points. INVALID_ARGUMENT that names the fault or the limit; files that reorder points
-/// (kd-tree), meshes, other attributes and counts that do not fit are refused before Draco sees them.
-/// FAILED_PRECONDITION unless `limits.draco`.
+/// Decodes a cloud of width * height points from DracoFile::data and DracoFile::finite. Coordinates are in the frame of
+/// `view`, which becomes the view of the cloud. FAILED_PRECONDITION unless `limits.draco` is set. INVALID_ARGUMENT that
+/// names the fault or the exceeded limit: Draco does not see meshes, files that reorder points (kd-tree), attributes
+/// other than position and color, or counts that do not fit the cloud. CANCELLED and DEADLINE_EXCEEDED as `stop` says.
 absl::StatusOr<Cloud> decode_draco(std::string_view data, std::string_view finite, std::uint32_t width,
                                    std::uint32_t height, const View& view, const DecodeLimits& limits,
                                    const StopToken& stop = {});

@@ -9,11 +9,11 @@
 
 namespace segserve::codec {
 
-/// What a file holds that is of use to us.
+/// The content of a PCD or PLY file: a cloud of N points, and the labels if the file has some.
 struct LabelledCloud {
   Cloud cloud;
-  std::vector<std::uint32_t> label;  ///< one per point; empty if the file has none
-  std::string view_rule;             ///< one line for people: which view was chosen, and why
+  std::vector<std::uint32_t> label;  ///< N: the label of each point; empty if the file has no labels
+  std::string view_rule;             ///< one line for people that tells which view was chosen, and why
 };
 
 }  // namespace segserve::codec

@@ -13,34 +13,40 @@
 #include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/stop_token.hpp"
 
+// PCD, the file format of the Point Cloud Library
+// (https://pointclouds.org/documentation/tutorials/pcd_file_format.html).
 namespace segserve::codec {
 
+/// The values of the header's entry DATA.
 enum class PcdEncoding : std::uint8_t { kAscii, kBinary, kBinaryCompressed };
 
-/// Reads a PCD file (0.5 to 0.7; ascii, binary or binary_compressed) from untrusted bytes.
+/// Reads a PCD file (0.5 to 0.7; ascii, binary or binary_compressed) from untrusted bytes. The fields may have any
+/// order. Fields other than these are skipped:
+///  - x y z: TYPE F, SIZE 4 or 8, meters, required. Values that are not finite are kept.
+///  - color: `rgb` or `rgba`, SIZE 4, packed as 0xAARRGGBB. With TYPE F, in ascii too, the 32 bits of the float are the
+///    packed color; the float's value is never converted. The quiet NaN 0x7fc00000 (in ascii `nan`), which writers use
+///    for "no color", is black. Without a packed color, `r`, `g` and `b` of any integer or float type, 0 to 255, are
+///    the color; larger and smaller values are clamped, and NaN is 0. Without these the cloud has no color.
+///  - label: any integer type, or floats that are whole numbers. Negative labels and NaN become 0.
 ///
-/// Fields, in any order; others are skipped:
-///  - x y z: F4 or F8, required. Values that are not finite are kept.
-///  - color: `rgb` or `rgba`, 4 bytes packed as 0xAARRGGBB. A float there is the same 32 bits
-///    under another type, in ascii too, and never a number to convert; exactly the quiet NaN
-///    0x7fc00000 (the text `nan`), which writers use for "no color", is black. Or `r`, `g` and `b`, each any
-///    integer or float, 0 to 255: others are clamped, NaN is 0. With none of them the cloud has no color.
-///  - label: any integer, or floats that are integers. Negative ones and NaN become 0.
+/// The cloud's view is `view` if that is given. Otherwise it is CAMERA if the cloud is organized (HEIGHT above 1) and
+/// VIEWPOINT is the identity or absent, else WORLD with the sensor at VIEWPOINT's translation (the origin if absent).
 ///
-/// View: `view` if given; else CAMERA if the cloud is organized (HEIGHT > 1) and VIEWPOINT is the
-/// identity or absent; else WORLD with the sensor at VIEWPOINT's translation (the origin if absent).
-///
-/// INVALID_ARGUMENT with one line that names the fault and its place for anything else, a header
-/// that promises more than there is, and exceeded limits. A cloud of 0 points is not a fault here.
+/// INVALID_ARGUMENT with a message of one line that names the fault and its place if the file is malformed or
+/// truncated, has a label beyond 32 bits, or exceeds the limits. CANCELLED and DEADLINE_EXCEEDED as `stop` says. A file
+/// of 0 points is no error here.
 absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                          std::optional<View> view = std::nullopt, const StopToken& stop = {});
 
-/// Writes PCD 0.7 with the fields x y z, rgb (packed; if the cloud has color) and label (U4; if
-/// `label`, which has an entry per point, is not empty). Floats and colors survive exactly in all
-/// three encodings. VIEWPOINT is the sensor's position, the identity for CAMERA or no sensor:
-/// an organized WORLD cloud with the sensor at the origin or unknown, and an unorganized CAMERA
-/// cloud, therefore need an explicit view when they are read again.
-/// A body of 4 GiB or more does not fit into binary_compressed and is written as binary.
+/// Writes PCD 0.7 with the fields x y z, rgb (packed; if the cloud has color) and label (TYPE U, SIZE 4; if `label` is
+/// not empty). `label` has one entry per point, or is empty. All three encodings keep floats, colors and labels
+/// exactly.
+///
+/// VIEWPOINT is the position of the sensor; it is the identity for a CAMERA view and for a WORLD view without a sensor.
+/// A PCD file therefore cannot tell some views: an organized WORLD cloud with the sensor at the origin or without one,
+/// and an unorganized CAMERA cloud, need an explicit view when they are read again.
+///
+/// A body of 4 GiB or more does not fit into binary_compressed, and is written as binary.
 std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> label, PcdEncoding encoding);
 
 }  // namespace segserve::codec

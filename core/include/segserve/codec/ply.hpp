@@ -13,29 +13,34 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
 
+// PLY 1.0, Stanford's polygon file format (https://paulbourke.net/dataformats/ply/).
 namespace segserve::codec {
 
+/// The formats that encode_ply writes.
 enum class PlyEncoding : std::uint8_t { kAscii, kBinaryLittleEndian };
 
-/// True if the first line of the file is PLY's magic word.
+/// Whether the first line of the file is PLY's magic word, "ply".
 bool is_ply(std::string_view file);
 
-/// Reads the `vertex` element of a PLY 1.0 file (ascii, binary of either byte order) from
-/// untrusted bytes; other elements and properties, lists too, are skipped.
+/// Reads the element `vertex` of a PLY file (ascii, or binary of either byte order) from untrusted bytes. The
+/// properties may have any order. Other elements and properties, lists included, are skipped.
+///  - x y z: float or double, meters, required. Values that are not finite are kept.
+///  - color: `red`, `green` and `blue`, or else `diffuse_red`, `diffuse_green` and `diffuse_blue`, integers. Values
+///    outside of 0 to 255 are clamped. Without these the cloud has no color.
+///  - label: `label`, or else `scalar_Label`, with the types and values of a label in a PCD file (decode_pcd).
 ///
-/// Properties: x y z, float or double, required; color `red green blue` or
-/// `diffuse_red diffuse_green diffuse_blue`, integers 0 to 255; label `label` or `scalar_Label`,
-/// read as in a PCD file. The cloud is unorganized; PLY knows no sensor, so the view is WORLD
-/// without one unless `view` is given.
+/// The cloud is unorganized. PLY does not tell where the sensor is, so the view is WORLD without a sensor unless `view`
+/// is given.
 ///
-/// INVALID_ARGUMENT with one line that names the fault and its place for anything else, a header
-/// that promises more than there is, and exceeded limits.
+/// INVALID_ARGUMENT with a message of one line that names the fault and its place if the file is malformed or
+/// truncated, has a label beyond 32 bits or more vertices than 32 bits can count, or exceeds the limits. A file of 0
+/// points is no error here.
 absl::StatusOr<LabelledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                          std::optional<View> view = std::nullopt);
 
-/// Writes the vertices x y z (float), red green blue (uchar; if the cloud has color) and label
-/// (uint; if `label`, which has an entry per point, is not empty). Floats survive exactly in both
-/// encodings; rows and columns of an organized cloud, and the view, do not.
+/// Writes a PLY file whose vertices have x y z (float), red green blue (uchar; if the cloud has color) and label (uint;
+/// if `label` is not empty). `label` has one entry per point, or is empty. Both encodings keep floats, colors and
+/// labels exactly. The rows and columns of an organized cloud, and the view, are lost.
 std::string encode_ply(const CloudView& cloud, std::span<const std::uint32_t> label, PlyEncoding encoding);
 
 }  // namespace segserve::codec

@@ -9,24 +9,29 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/stop_token.hpp"
 
-// Coordinates on a grid: QUANTISED.md describes the format byte by byte.
+// Clouds whose coordinates are rounded to a grid. core/codec/quantised/FORMAT.md describes the format byte by byte.
 namespace segserve::codec {
 
-/// Error bounds that the format knows, meters: 0.1 to 10 mm.
+/// The error bounds that the format allows, meters: 0.1 to 10 mm.
 inline constexpr double kMinErrorBound = 0.0001;
 inline constexpr double kMaxErrorBound = 0.01;
 
+/// A decoded cloud and what its bytes say of its precision.
 struct QuantisedCloud {
   Cloud cloud;
   double error_bound = 0;  ///< meters: no coordinate is farther than this from the one that was encoded
 };
 
-/// Every coordinate of a finite point within `error_bound` meters, the order of the points, their colors and which of
-/// them are finite kept exactly; points that are not finite come back as NaN, black. A coordinate above 0 stays above
-/// 0. INVALID_ARGUMENT for a bound outside of the range above, or coordinates so large that floats cannot keep it.
+/// Encodes a cloud. The decoded cloud has every coordinate of a finite point within `error_bound` meters, and a
+/// coordinate above 0 stays above 0. The order of the points, which of them are finite, and the colors of the finite
+/// ones are kept exactly; points that are not finite become NaN and black. The view is not part of the bytes.
+/// INVALID_ARGUMENT if the bound is outside of [kMinErrorBound, kMaxErrorBound], or if a coordinate is so large that a
+/// float cannot keep the bound.
 absl::StatusOr<std::string> encode_quantised(const CloudView& cloud, double error_bound);
 
-/// The same bytes give the same cloud on every CPU. INVALID_ARGUMENT that names the fault of the bytes or the limit.
+/// Decodes a cloud. The same bytes give the same cloud on every CPU. Coordinates are in the frame of `view`, which
+/// becomes the view of the cloud. INVALID_ARGUMENT that names the fault of the bytes or the exceeded limit. CANCELLED
+/// and DEADLINE_EXCEEDED as `stop` says.
 absl::StatusOr<QuantisedCloud> decode_quantised(std::string_view bytes, const View& view, const DecodeLimits& limits,
                                                 const StopToken& stop = {});
 

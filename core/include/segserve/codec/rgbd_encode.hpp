@@ -8,33 +8,37 @@
 #include "segserve/cloud.hpp"
 #include "segserve/codec/rgbd.hpp"
 
-// An organized CAMERA cloud back into the images that it was made from.
+// Turns an organized CAMERA cloud back into the depth and color images of an RGB-D camera.
 namespace segserve::codec {
 
+/// How encode_rgbd writes the images.
 struct RgbdOptions {
-  double depth_scale = 0.001;                           ///< meters a unit of depth
-  int jpeg_quality = 90;                                ///< of the color, 1 to 100
-  std::optional<Intrinsics> intrinsics = std::nullopt;  ///< unset: estimate_intrinsics
+  double depth_scale = 0.001;                           ///< meters per unit of depth
+  int jpeg_quality = 90;                                ///< quality of the color image, 1 to 100
+  std::optional<Intrinsics> intrinsics = std::nullopt;  ///< the camera; estimate_intrinsics finds it if it is unset
 };
 
-/// What RgbdImages only looks at.
+/// The image files of one view, which own their bytes.
 struct RgbdFiles {
-  std::string depth;  ///< PNG
-  std::string color;  ///< JPEG; empty: no color
-  double depth_scale = 0;
+  std::string depth;       ///< PNG, gray, 16 bits; 0 means that there is no point
+  std::string color;       ///< JPEG of the same size; empty if the cloud has no color
+  double depth_scale = 0;  ///< meters per unit of depth
   Intrinsics intrinsics;
-  double error_bound = 0;  ///< meters: no decoded coordinate is farther from the cloud's than this
+  double error_bound = 0;  ///< meters: no decoded coordinate is farther than this from the one that was encoded
 
+  /// The same images for decode_rgbd. The result is valid as long as this object is.
   RgbdImages images() const { return {depth, color, depth_scale, intrinsics}; }
 };
 
-/// The pinhole camera that sees each finite point nearest to the center of its pixel (least squares). INVALID_ARGUMENT
-/// unless the cloud is organized and CAMERA, has points in several rows and columns, and all of them within half a
-/// pixel of their own.
+/// Finds the pinhole camera whose projection of each finite point lies closest to the center of the point's pixel, in
+/// the sense of least squares. INVALID_ARGUMENT unless the cloud is organized with a CAMERA view, its finite points lie
+/// in several rows and columns, and the camera sees each of them within half a pixel of its own pixel.
 absl::StatusOr<Intrinsics> estimate_intrinsics(const CloudView& cloud);
 
-/// Depth is rounded to the nearest unit, at least 1, and the point moved onto the ray of its pixel; color is lossy.
-/// INVALID_ARGUMENT as estimate_intrinsics, for points farther away than 65535 units of depth, and for wrong options.
+/// Encodes a cloud as images. Depth is rounded to the nearest unit, and is at least 1. The decoded point lies on the
+/// ray of its pixel. Color loses precision. INVALID_ARGUMENT for a wrong option, for a cloud that is not organized or
+/// has no CAMERA view, for the errors of estimate_intrinsics if the options leave the camera open, and for a point that
+/// is not in front of the camera or farther away than 65535 units of depth.
 absl::StatusOr<RgbdFiles> encode_rgbd(const CloudView& cloud, const RgbdOptions& options = {});
 
 }  // namespace segserve::codec

@@ -11,6 +11,9 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/stop_token.hpp"
 
+// The layout of ROS's sensor_msgs/PointCloud2
+// (https://docs.ros.org/en/noetic/api/sensor_msgs/html/msg/PointCloud2.html): points one after the other, each with all
+// its fields, possibly with gaps.
 namespace segserve::codec {
 
 /// The types of a field, with the numbers of sensor_msgs/PointField.
@@ -25,45 +28,51 @@ enum class PointDatatype : std::uint8_t {
   kFloat64 = 8,
 };
 
-/// A field of every point, as in sensor_msgs/PointField.
+/// A field that every point has, as in sensor_msgs/PointField.
 struct PointField {
   std::string name;
   std::uint32_t offset = 0;  ///< bytes from the start of the point
   PointDatatype datatype = PointDatatype::kFloat32;
-  std::uint32_t count = 1;  ///< elements; 0 counts as 1, as in ROS
+  std::uint32_t count = 1;  ///< elements of the field; 0 means 1, as in ROS
 };
 
-/// The layout of sensor_msgs/PointCloud2: point (row, column) begins at row * row_step + column * point_step.
+/// Where the fields of a cloud of width * height points lie. Point (row, column) begins at byte
+/// row * row_step + column * point_step.
 struct StridedLayout {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::vector<PointField> fields;
-  std::uint32_t point_step = 0;  ///< bytes
-  std::uint32_t row_step = 0;    ///< bytes, at least width * point_step
-  bool is_bigendian = false;
+  std::uint32_t point_step = 0;  ///< bytes from one point to the next
+  std::uint32_t row_step = 0;    ///< bytes from one row to the next, at least width * point_step
+  bool is_bigendian = false;     ///< byte order of all fields
 
-  /// Cannot overflow.
+  /// Bytes of all rows. The product of two 32-bit numbers cannot overflow.
   std::uint64_t bytes() const { return std::uint64_t{height} * row_step; }
 };
 
-/// Bytes in a layout.
+/// A layout and the layout.bytes() bytes of the cloud.
 struct StridedCloud {
   StridedLayout layout;
   std::string data;
 };
 
-/// What of the layout is wrong, or over a limit, before there is any data. INVALID_ARGUMENT that names the field and
-/// the value: a field beyond point_step, rows that overlap, x, y or z missing or no float, color of a wrong type, a
-/// name that is there twice, more than 64 fields. Fields that mean nothing to us are only checked to be within the
-/// point.
+/// Checks a layout before there is any data. INVALID_ARGUMENT that names the field and the value for a field that ends
+/// beyond point_step, rows that overlap, an x, y or z that is missing or no float, a color of a wrong type, a name with
+/// a meaning (x, y, z, rgb, rgba, r, g, b) that occurs twice, more than 64 fields, or an exceeded limit. Fields with
+/// other names must only lie within the point.
 absl::Status check_layout(const StridedLayout& layout, const DecodeLimits& limits);
 
-/// The cloud of `data`, which must be layout.bytes() long. Color: `rgb` or `rgba`, whose 4 bytes are 0xAARRGGBB
-/// whatever their type, else `r`, `g` and `b`; else none. Neither coordinates nor an empty cloud are judged here.
+/// Decodes a cloud from `data`, which must be layout.bytes() long. x, y and z are meters in the frame of `view`, which
+/// becomes the view of the cloud. The color is that of `rgb`, or else `rgba`, whose 4 bytes are 0xAARRGGBB whatever
+/// their type is, or else that of `r`, `g` and `b`; without these the cloud has no color. INVALID_ARGUMENT as
+/// check_layout says, or if the length of `data` is wrong. CANCELLED and DEADLINE_EXCEEDED as `stop` says. Coordinates
+/// are not checked, and an empty cloud is no error.
 absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_view data, const View& view,
                                      const DecodeLimits& limits, const StopToken& stop = {});
 
-/// x, y, z and, with color, rgb: FLOAT32, without gaps, little endian.
+/// Copies a cloud into the fields x, y, z and, if it has color, rgb. All are little-endian FLOAT32 without gaps; the
+/// bits of rgb are 0x00RRGGBB. The width of the cloud must be below 2^28, so that a row of up to 16 bytes a point fits
+/// row_step.
 StridedCloud encode_strided(const CloudView& cloud);
 
 }  // namespace segserve::codec
