@@ -10,6 +10,7 @@
 namespace segserve::codec {
 namespace {
 
+/// The name under which a status carries "<limit> <actual> <allowed>".
 constexpr const char* kPayload = "segserve/limit";
 
 }  // namespace

@@ -38,7 +38,7 @@ std::optional<std::vector<std::uint32_t>> read_bitmap(std::string_view bitmap, s
   return indices;
 }
 
-Cloud cloud_of_nothing(std::uint32_t width, std::uint32_t height, bool color, const View& view) {
+Cloud make_nan_cloud(std::uint32_t width, std::uint32_t height, bool color, const View& view) {
   const std::size_t points = std::size_t{width} * height;
   Cloud cloud;
   cloud.width = width;

@@ -11,6 +11,7 @@
 namespace segserve::codec {
 namespace {
 
+/// The values as little-endian T, which holds all of them.
 template <typename T>
 std::string narrow(std::span<const std::uint32_t> values) {
   std::string bytes(values.size() * sizeof(T), '\0');
@@ -23,6 +24,7 @@ std::string narrow(std::span<const std::uint32_t> values) {
   return bytes;
 }
 
+/// The little-endian T of `bytes` as 32-bit integers.
 template <typename T>
 std::vector<std::uint32_t> widen(std::string_view bytes) {
   std::vector<std::uint32_t> values;
@@ -43,11 +45,12 @@ EncodedIntegers encode_integers(std::span<const std::uint32_t> values) {
 
 absl::StatusOr<std::vector<std::uint32_t>> decode_integers(std::string_view bytes, std::uint32_t bytes_per_value) {
   if (bytes_per_value != 1 && bytes_per_value != 2 && bytes_per_value != 4) {
-    return absl::InvalidArgumentError(fmt::format("{} bytes per value; 1, 2 and 4 are possible", bytes_per_value));
+    return absl::InvalidArgumentError(
+        fmt::format("{} bytes per value, but only 1, 2 and 4 are possible", bytes_per_value));
   }
   if (bytes.size() % bytes_per_value != 0) {
     return absl::InvalidArgumentError(
-        fmt::format("{} bytes are no whole number of values of {} bytes", bytes.size(), bytes_per_value));
+        fmt::format("{} bytes are not a whole number of values of {} bytes", bytes.size(), bytes_per_value));
   }
   if (bytes_per_value == 1) return widen<std::uint8_t>(bytes);
   if (bytes_per_value == 2) return widen<std::uint16_t>(bytes);

@@ -11,7 +11,7 @@
 
 namespace segserve::codec {
 
-// The formats are little-endian, and so is every machine we build for.
+// Several decoders take little-endian numbers from memory as they are.
 static_assert(std::endian::native == std::endian::little);
 
 /// The number types of PCD and PLY files.
@@ -28,7 +28,7 @@ enum class ScalarType : std::uint8_t {
   kFloat64,
 };
 
-/// Calls `visitor` with a zero of the C++ type.
+/// Calls `visitor` with a value of the C++ type, which is 0, and returns its result.
 template <typename Visitor>
 decltype(auto) visit_type(ScalarType type, Visitor&& visitor) {
   switch (type) {
@@ -56,6 +56,7 @@ decltype(auto) visit_type(ScalarType type, Visitor&& visitor) {
   return visitor(double{});
 }
 
+/// Bytes of a number.
 constexpr std::size_t size_of(ScalarType type) {
   constexpr std::array<std::size_t, 10> kSizes{1, 2, 4, 8, 1, 2, 4, 8, 4, 8};
   return kSizes[static_cast<std::size_t>(type)];

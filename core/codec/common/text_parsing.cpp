@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -11,14 +12,16 @@
 namespace segserve::codec {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
+/// Converts the number at the beginning of the word.
 template <typename T>
 std::from_chars_result convert(std::string_view word, T& value) {
   return std::from_chars(word.data(), word.data() + word.size(), value);
 }
 
-// As double, for the sake of its range: what underflows a float becomes 0, what overflows it infinite.
+/// Converts the whole word. A number beyond the range of float is converted as a double first, and then becomes 0 or
+/// infinite.
 template <typename T>
 bool convert_float(std::string_view word, T& value) {
   auto result = convert(word, value);
@@ -43,11 +46,13 @@ std::optional<LineReader::Line> LineReader::next() {
   return Line{line, next_line_++, terminated};
 }
 
+bool is_blank(std::string_view text) { return std::all_of(text.begin(), text.end(), is_space); }
+
 std::string_view take_word(std::string_view& text) {
   std::size_t begin = 0;
-  while (begin < text.size() && is_blank(text[begin])) ++begin;
+  while (begin < text.size() && is_space(text[begin])) ++begin;
   std::size_t end = begin;
-  while (end < text.size() && !is_blank(text[end])) ++end;
+  while (end < text.size() && !is_space(text[end])) ++end;
   const std::string_view word = text.substr(begin, end - begin);
   text.remove_prefix(end);
   return word;
@@ -67,7 +72,7 @@ std::optional<std::uint64_t> parse_count(std::string_view word) {
 }
 
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
-  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);  // std::from_chars takes no '+'
+  if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);  // std::from_chars refuses a '+'.
   return visit_type(type, [&]<typename T>(T value) {
     if constexpr (std::is_floating_point_v<T>) {
       if (!convert_float(word, value)) return false;

@@ -13,16 +13,17 @@
 
 namespace segserve::codec {
 
-/// Walks over the lines of a text and counts them. Lines end in \n or \r\n.
+/// Walks over the lines of a text and counts them. A line ends in \n or \r\n.
 class LineReader {
  public:
   explicit LineReader(std::string_view text, std::size_t first_line = 1) : text_(text), next_line_(first_line) {}
 
   struct Line {
     std::string_view text;    ///< without the end of line
-    std::size_t number;       ///< from 1
-    bool terminated = false;  ///< false: the text ended before the end of line
+    std::size_t number;       ///< counted from `first_line`
+    bool terminated = false;  ///< false if the text ended before the end of line
   };
+  /// The next line, or nullopt after the last one.
   std::optional<Line> next();
   /// Bytes consumed so far.
   std::size_t offset() const { return offset_; }
@@ -33,23 +34,34 @@ class LineReader {
   std::size_t next_line_;
 };
 
-/// Takes the next word, delimited by spaces, tabs or ends of line, off the front; empty: none left.
+/// The most values that a text of so many bytes can hold: each takes at least a digit and a delimiter, and the last one
+/// needs no delimiter.
+constexpr std::uint64_t most_values(std::uint64_t bytes) { return (bytes + 1) / 2; }
+
+/// Whether the text consists of spaces, tabs and ends of line.
+bool is_blank(std::string_view text);
+/// Takes the next word off the front of `text`. Words are delimited by spaces, tabs and ends of line. Empty if no word
+/// is left.
 std::string_view take_word(std::string_view& text);
+/// All words of `text`.
 std::vector<std::string_view> split_words(std::string_view text);
 
-/// Decimal digits only, and no overflow.
+/// Parses a number of decimal digits only; nullopt for other words, and for numbers beyond 64 bits.
 std::optional<std::uint64_t> parse_count(std::string_view word);
 
-/// Writes the number's `size_of(type)` bytes to `out`; false if `word` is not a number of the type.
-/// A float may be nan, inf or out of range (then it is 0 or infinite); an integer must fit.
+/// Parses a number of the type, which may begin with a sign, and writes its `size_of(type)` bytes to `out`. Returns
+/// false if `word` is no such number. An integer must fit the type. A float may be nan or inf; beyond the range of
+/// kFloat32 it becomes 0 or infinite, and beyond the range of double it is refused.
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out);
 
-/// Appends the shortest text that reads back as the same float; every NaN is `nan`.
+/// Appends the shortest text that reads back as the same float. Every NaN becomes `nan`.
 void append_number(std::string& out, float value);
 
-/// A word of untrusted bytes for a message: in quotes, shortened, unprintable bytes as '?'.
+/// Makes a word of untrusted bytes fit for a message: in quotes, at most 40 characters, and with '?' for each byte that
+/// is not printable ASCII.
 std::string quoted(std::string_view word);
 
+/// The same bytes as text.
 inline std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

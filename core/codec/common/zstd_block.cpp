@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
+#include "core/base/status_macros.hpp"
+#include "core/codec/common/limit_checks.hpp"
+
 namespace segserve::codec {
 
 absl::StatusOr<std::string> zstd_compress(std::string_view bytes, int level) {
@@ -21,11 +24,7 @@ absl::StatusOr<std::string> zstd_compress(std::string_view bytes, int level) {
 
 absl::StatusOr<std::string> zstd_decompress(std::string_view bytes, std::size_t decoded_size,
                                             const DecodeLimits& limits) {
-  if (decoded_size > limits.max_bytes) {
-    return over_limit(
-        fmt::format("zstd: a decoded size of {} bytes exceeds the limit of {} bytes", decoded_size, limits.max_bytes),
-        {"max_bytes", decoded_size, limits.max_bytes});
-  }
+  RETURN_IF_ERROR(check_bytes("zstd: the claimed ", decoded_size, limits));
   const unsigned long long declared = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
   if (declared == ZSTD_CONTENTSIZE_ERROR) {
     return absl::InvalidArgumentError(fmt::format("zstd: the {} bytes do not begin with a zstd frame", bytes.size()));
@@ -34,7 +33,7 @@ absl::StatusOr<std::string> zstd_decompress(std::string_view bytes, std::size_t 
     return absl::InvalidArgumentError(
         fmt::format("zstd: the frame declares {} bytes, not the claimed {}", declared, decoded_size));
   }
-  // A block has a header of 3 bytes and holds at most 128 KiB.
+  // A frame consists of blocks. A block has a header of 3 bytes and holds at most 128 KiB.
   if (decoded_size / (std::size_t{128} << 10U) > bytes.size() / 3) {
     return absl::InvalidArgumentError(
         fmt::format("zstd: {} bytes cannot hold the claimed {} bytes", bytes.size(), decoded_size));
@@ -43,10 +42,11 @@ absl::StatusOr<std::string> zstd_decompress(std::string_view bytes, std::size_t 
   const std::size_t size = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
   if (ZSTD_isError(size) != 0U) {
     return absl::InvalidArgumentError(
-        fmt::format("zstd: {} (claimed are {} bytes)", ZSTD_getErrorName(size), decoded_size));
+        fmt::format("zstd: {} (the claimed size is {} bytes)", ZSTD_getErrorName(size), decoded_size));
   }
   if (size != decoded_size) {
-    return absl::InvalidArgumentError(fmt::format("zstd: decoded to {} bytes, claimed are {}", size, decoded_size));
+    return absl::InvalidArgumentError(
+        fmt::format("zstd: the frame decodes to {} bytes, not the claimed {}", size, decoded_size));
   }
   return out;
 }

@@ -10,14 +10,14 @@
 
 namespace segserve::codec {
 
-/// One zstd frame that declares its content size. `level` is 1 (fast) to 19 (small), or negative
-/// down to -100 (faster still); others are INVALID_ARGUMENT.
+/// Compresses bytes to one zstd frame (RFC 8878) that declares the size of its content. `level` is 1 (fast) to 19
+/// (small), or negative down to -100 (faster still). INVALID_ARGUMENT for other levels.
 absl::StatusOr<std::string> zstd_compress(std::string_view bytes, int level);
 
-/// The inverse for untrusted bytes. `decoded_size` is the exact size claimed by the sender; before
-/// it is allocated it is checked against `limits.max_bytes`, against the size the frame declares,
-/// and against what so many bytes can hold at most. INVALID_ARGUMENT if a check fails, the bytes
-/// are not zstd, or they decode to another size.
+/// Decompresses untrusted bytes. `decoded_size` is the exact size that the sender claims. Before memory is allocated
+/// for it, it is compared with `limits.max_bytes`, with the size that the frame declares, and with the most that so
+/// many bytes can decode to. INVALID_ARGUMENT if a comparison fails, if the bytes are not zstd, or if they decode to
+/// another size.
 absl::StatusOr<std::string> zstd_decompress(std::string_view bytes, std::size_t decoded_size,
                                             const DecodeLimits& limits = {});
 

@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/finite_point_mask.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/draco/draco_header.hpp"
 #include "draco/compression/decode.h"
 #include "draco/compression/encode.h"
@@ -23,13 +25,15 @@
 namespace segserve::codec {
 namespace {
 
-constexpr std::uint64_t kPointBytes = 15;  // of a decoded point: 3 floats and a color
+constexpr std::uint64_t kPointBytes = 15;  // A decoded point has 3 floats and 3 bytes of color.
+constexpr int kMaxBits = 30;               // Draco quantizes a coordinate to at most so many bits.
 
 absl::Status fault(std::string_view message) { return absl::InvalidArgumentError(fmt::format("Draco: {}", message)); }
 
-/// Draco throws nothing itself, but its containers may.
+/// Returns the result of function(), or INVALID_ARGUMENT if it throws. Draco throws nothing itself, but its containers
+/// may.
 template <typename Function>
-auto no_throw(Function function) -> decltype(function()) {
+auto catch_exceptions(Function function) -> decltype(function()) {
   try {
     return function();
   } catch (const std::exception& error) {
@@ -37,7 +41,8 @@ auto no_throw(Function function) -> decltype(function()) {
   }
 }
 
-/// Draco's grid has 2^bits values along the longest side of the bounding box, and it computes in floats.
+/// The fewest bits that keep the bound. Draco's grid has 2^bits values along the longest side of the bounding box, and
+/// Draco computes in floats, whose rounding takes some of the bound.
 absl::StatusOr<int> quantization_bits(const CloudView& cloud, std::span<const std::uint32_t> finite, double bound) {
   double range = 0;
   double magnitude = 0;
@@ -52,13 +57,14 @@ absl::StatusOr<int> quantization_bits(const CloudView& cloud, std::span<const st
     magnitude = std::max({magnitude, std::abs(double{least}), std::abs(double{most})});
   }
   const double rounding = (magnitude + range) * 0x1p-22;
-  for (int bits = 1; bits <= 30; ++bits) {
+  for (int bits = 1; bits <= kMaxBits; ++bits) {
     const double step = range / static_cast<double>((1U << static_cast<unsigned>(bits)) - 1);
     if (step / 2 + rounding <= bound) return bits;
   }
   return fault(fmt::format("coordinates of {} m cannot be kept within {} m", magnitude, bound));
 }
 
+/// Draco's bytes of the finite points.
 absl::StatusOr<std::string> encode_points(const CloudView& cloud, std::span<const std::uint32_t> finite, int bits) {
   draco::PointCloudBuilder builder;
   builder.Start(static_cast<draco::PointIndex::ValueType>(finite.size()));
@@ -84,50 +90,46 @@ absl::StatusOr<std::string> encode_points(const CloudView& cloud, std::span<cons
   return std::string(buffer.data(), buffer.size());
 }
 
-/// Draco's points, k-th at index finite[k].
+/// Copies Draco's points to the cloud. Point k goes to index finite[k].
 absl::Status read_points(const draco::PointCloud& points, std::span<const std::uint32_t> finite, const StopToken& stop,
                          Cloud& cloud) {
   const draco::PointAttribute* position = points.GetNamedAttribute(draco::GeometryAttribute::POSITION);
   const draco::PointAttribute* color = points.GetNamedAttribute(draco::GeometryAttribute::COLOR);
   if (points.num_points() != finite.size() || position == nullptr || (color != nullptr) != cloud.has_color()) {
-    return fault("it decodes to other points than its header says");
+    return fault("it decodes to other points than its header claims");
   }
   StopCheck check(stop);
   for (std::size_t k = 0; k < finite.size() && !check.after(1); ++k) {
     const draco::PointIndex point(static_cast<std::uint32_t>(k));
     const std::uint32_t i = finite[k];
     std::array<float, 3> xyz{};
-    if (!position->ConvertValue<float, 3>(position->mapped_index(point), xyz.data())) return fault("a broken position");
+    if (!position->ConvertValue<float, 3>(position->mapped_index(point), xyz.data())) {
+      return fault(fmt::format("the position of point {} is broken", k));
+    }
     if (!is_finite(xyz[0], xyz[1], xyz[2])) return fault(fmt::format("point {} is not finite", k));
     cloud.x[i] = xyz[0];
     cloud.y[i] = xyz[1];
     cloud.z[i] = xyz[2];
     if (color == nullptr) continue;
     std::array<std::uint8_t, 3> rgb{};
-    if (!color->ConvertValue<std::uint8_t, 3>(color->mapped_index(point), rgb.data())) return fault("a broken color");
+    if (!color->ConvertValue<std::uint8_t, 3>(color->mapped_index(point), rgb.data())) {
+      return fault(fmt::format("the color of point {} is broken", k));
+    }
     cloud.rgb[i] = pack_rgb(rgb[0], rgb[1], rgb[2]);
   }
-  return stop.check();
+  return check.status();
 }
 
-absl::Status check_limits(std::uint64_t points, const DecodeLimits& limits) {
-  if (points > limits.max_points) {
-    return over_limit(fmt::format("Draco: {} points exceed the limit of {} points", points, limits.max_points),
-                      {"max_points", points, limits.max_points});
-  }
-  if (points > limits.max_bytes / kPointBytes) {
-    return over_limit(
-        fmt::format("Draco: {} points of {} bytes exceed the limit of {} bytes", points, kPointBytes, limits.max_bytes),
-        {"max_bytes", points > UINT64_MAX / kPointBytes ? UINT64_MAX : points * kPointBytes, limits.max_bytes});
-  }
-  return absl::OkStatus();
+absl::Status wrong_count(std::uint64_t points, std::uint64_t cloud_points) {
+  return fault(fmt::format("it has {} points, but the cloud has {}", points, cloud_points));
 }
 
-/// The indices of Draco's points in the cloud.
+/// The indices in the cloud, which has `points` points, of the points that Draco's header announces. `finite` is
+/// DracoFile::finite.
 absl::StatusOr<std::vector<std::uint32_t>> indices_of(const DracoHeader& header, std::string_view finite,
                                                       std::uint64_t points, const StopToken& stop) {
   if (finite.empty()) {
-    if (header.points != points) return fault(fmt::format("it has {} points, the cloud {}", header.points, points));
+    if (header.points != points) return wrong_count(header.points, points);
     std::vector<std::uint32_t> all(points);
     std::iota(all.begin(), all.end(), 0U);
     return all;
@@ -136,11 +138,11 @@ absl::StatusOr<std::vector<std::uint32_t>> indices_of(const DracoHeader& header,
     return fault(
         fmt::format("the bitmap of {} points has {} bytes, not {}", points, finite.size(), bitmap_bytes(points)));
   }
-  if (header.points > points) return fault(fmt::format("it has {} points, the cloud {}", header.points, points));
+  if (header.points > points) return wrong_count(header.points, points);
   StopCheck check(stop);
   auto indices = read_bitmap(finite, points, header.points, check);
-  if (check.stopped()) return stop.check();
-  if (!indices) return fault(fmt::format("the bitmap does not have {} of {} points", header.points, points));
+  if (check.stopped()) return check.status();
+  if (!indices) return fault(fmt::format("the bitmap does not mark {} of {} points", header.points, points));
   return *std::move(indices);
 }
 
@@ -167,11 +169,8 @@ absl::StatusOr<DracoFile> encode_draco(const CloudView& cloud, double error_boun
     write_bitmap(finite, file.finite.data());
   }
   if (finite.empty()) return file;
-  const absl::StatusOr<int> bits = quantization_bits(cloud, finite, error_bound);
-  if (!bits.ok()) return bits.status();
-  absl::StatusOr<std::string> data = no_throw([&] { return encode_points(cloud, finite, *bits); });
-  if (!data.ok()) return data.status();
-  file.data = *std::move(data);
+  ASSIGN_OR_RETURN(const int bits, quantization_bits(cloud, finite, error_bound));
+  ASSIGN_OR_RETURN(file.data, catch_exceptions([&] { return encode_points(cloud, finite, bits); }));
   return file;
 }
 
@@ -180,19 +179,16 @@ absl::StatusOr<Cloud> decode_draco(std::string_view data, std::string_view finit
                                    const StopToken& stop) {
   if (!limits.draco) return absl::FailedPreconditionError("Draco is not enabled");
   const std::uint64_t points = std::uint64_t{width} * height;
-  if (absl::Status status = check_limits(points, limits); !status.ok()) return status;
+  RETURN_IF_ERROR(check_points("Draco: ", points, limits));
+  RETURN_IF_ERROR(check_decoded_points("Draco: ", points, kPointBytes, limits));
   DracoHeader header;
   if (!data.empty()) {
-    const auto read = read_draco_header(data);
-    if (!read.ok()) return read.status();
-    header = *read;
+    ASSIGN_OR_RETURN(header, read_draco_header(data));
   }
-  const auto indices = indices_of(header, finite, points, stop);
-  if (!indices.ok()) return indices.status();
-  Cloud cloud = cloud_of_nothing(width, height, header.color_components > 0, view);
-  if (indices->empty()) return cloud;
-  absl::Status status = no_throw([&] { return decode_points(data, *indices, stop, cloud); });
-  if (!status.ok()) return status;
+  ASSIGN_OR_RETURN(const std::vector<std::uint32_t> indices, indices_of(header, finite, points, stop));
+  Cloud cloud = make_nan_cloud(width, height, header.color_components > 0, view);
+  if (indices.empty()) return cloud;
+  RETURN_IF_ERROR(catch_exceptions([&] { return decode_points(data, indices, stop, cloud); }));
   return cloud;
 }
 

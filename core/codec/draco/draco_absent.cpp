@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// segserve::codec built without Draco.
+// Stands in for draco.cpp in a build without Draco.
 #include "segserve/codec/draco.hpp"
 
 namespace segserve::codec {

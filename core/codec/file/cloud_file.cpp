@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/cord.h"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"
@@ -23,6 +24,7 @@ namespace {
 
 constexpr std::string_view kStandardStream = "-";
 
+/// Closes a file unless it is a standard stream.
 struct CloseFile {
   void operator()(std::FILE* file) const {
     if (file != stdin && file != stdout) std::fclose(file);
@@ -30,16 +32,8 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-/// The same status, its message with the path in front.
-absl::Status in_file(const std::string& path, const absl::Status& status) {
-  absl::Status out(status.code(),
-                   fmt::format("{}: {}", path, std::string_view(status.message().data(), status.message().size())));
-  status.ForEachPayload([&](auto key, const absl::Cord& payload) { out.SetPayload(key, payload); });
-  return out;
-}
-
 absl::Status open_error(const std::string& path, int error) {
-  return in_file(path, absl::ErrnoToStatus(error, "cannot be opened"));
+  return with_prefix(path, absl::ErrnoToStatus(error, "cannot be opened"));
 }
 
 absl::StatusOr<std::vector<std::byte>> read_all(std::FILE* file, const DecodeLimits& limits) {
@@ -51,7 +45,7 @@ absl::StatusOr<std::vector<std::byte>> read_all(std::FILE* file, const DecodeLim
     const std::size_t got = std::fread(bytes.data() + size, 1, bytes.size() - size, file);
     size += got;
     if (size > limits.max_bytes) {
-      return over_limit(fmt::format("more than the limit of {} bytes", limits.max_bytes),
+      return over_limit(fmt::format("it has more bytes than the limit of {}", limits.max_bytes),
                         {"max_bytes", size, limits.max_bytes});
     }
     if (got == 0) break;
@@ -65,7 +59,7 @@ absl::StatusOr<std::vector<std::byte>> read_path(const std::string& path, const 
   const File file(path == kStandardStream ? stdin : std::fopen(path.c_str(), "rb"));
   if (!file) return open_error(path, errno);
   auto bytes = read_all(file.get(), limits);
-  if (!bytes.ok()) return in_file(path, bytes.status());
+  if (!bytes.ok()) return with_prefix(path, bytes.status());
   return bytes;
 }
 
@@ -74,11 +68,12 @@ absl::Status write_path(const std::string& path, const std::string& bytes) {
   if (!file) return open_error(path, errno);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   if (!written || std::fflush(file.get()) != 0) {
-    return in_file(path, absl::UnavailableError(fmt::format("writing failed: {}", std::strerror(errno))));
+    return with_prefix(path, absl::UnavailableError(fmt::format("writing failed: {}", std::strerror(errno))));
   }
   return absl::OkStatus();
 }
 
+/// Whether the path ends in `extension`, which is in lower case, in any case.
 bool has_extension(const std::string& path, std::string_view extension) {
   if (path.size() < extension.size()) return false;
   const std::string_view end = std::string_view(path).substr(path.size() - extension.size());
@@ -95,10 +90,9 @@ absl::StatusOr<LabelledCloud> decode_cloud(std::span<const std::byte> bytes, con
 
 absl::StatusOr<LabelledCloud> load_cloud(const std::string& path, std::optional<View> view,
                                          const DecodeLimits& limits) {
-  const auto bytes = read_path(path, limits);
-  if (!bytes.ok()) return bytes.status();
-  auto cloud = decode_cloud(*bytes, limits, view);
-  if (!cloud.ok()) return in_file(path, cloud.status());
+  ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_path(path, limits));
+  auto cloud = decode_cloud(bytes, limits, view);
+  if (!cloud.ok()) return with_prefix(path, cloud.status());
   return cloud;
 }
 
@@ -111,7 +105,7 @@ absl::Status save_cloud(const std::string& path, const CloudView& cloud, std::sp
   if (has_extension(path, ".ply")) {
     return write_path(path, encode_ply(cloud, label, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian));
   }
-  return in_file(path, absl::InvalidArgumentError("a cloud is written to a name that ends in .pcd or .ply"));
+  return with_prefix(path, absl::InvalidArgumentError("the name of a cloud must end in .pcd or .ply"));
 }
 
 }  // namespace segserve::codec

@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 #include <lzf.h>
 
-#include <cstring>
+#include <algorithm>
 #include <memory>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/pcd/pcd_header.hpp"
@@ -20,15 +22,15 @@ absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
   return absl::InvalidArgumentError("PCD body: " + fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// Bytes that are written before they are read: no need to clear them.
+/// Memory that is not cleared, because the caller writes each byte before reading it.
 std::unique_ptr<std::byte[]> allocate(std::size_t bytes) { return std::make_unique_for_overwrite<std::byte[]>(bytes); }
 
-/// Points one after the other, each with all its fields.
+/// Reads a binary body: points one after the other, each with all its fields.
 absl::Status read_binary(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
                          LabelledCloud& out) {
   const std::size_t point_bytes = header.point_bytes();
   if (header.points > body.size() / point_bytes) {
-    return fault("{} bytes are there; POINTS {} of {} bytes each need more", body.size(), header.points, point_bytes);
+    return fault("it has {} bytes, but POINTS {} of {} bytes each need more", body.size(), header.points, point_bytes);
   }
   const auto column = [&](std::size_t field) {
     std::size_t offset = 0;
@@ -38,45 +40,42 @@ absl::Status read_binary(const PcdHeader& header, std::span<const std::byte> bod
   return read_columns(header.roles, column, header.points, out, stop);
 }
 
-/// The two sizes in front of compressed bytes, checked against the header and the bytes at hand.
+/// The compressed bytes of a binary_compressed body. The two sizes in front of them are checked against the header, the
+/// limits and the bytes at hand.
 absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& header, std::span<const std::byte> body,
                                                             const DecodeLimits& limits) {
   constexpr std::size_t kSizes = 8;
-  if (body.size() < kSizes)
-    return fault("{} bytes are there; binary_compressed begins with two 4-byte sizes", body.size());
+  if (body.size() < kSizes) {
+    return fault("it has {} bytes, but binary_compressed begins with two sizes of 4 bytes", body.size());
+  }
   const std::size_t compressed = load<std::uint32_t>(body.data());
   const std::uint64_t claimed = load<std::uint32_t>(body.data() + 4);
   const std::size_t point_bytes = header.point_bytes();
   if (compressed > body.size() - kSizes) {
-    return fault("it claims {} compressed bytes, {} are there", compressed, body.size() - kSizes);
+    return fault("it claims {} compressed bytes, but has {}", compressed, body.size() - kSizes);
   }
   if (claimed % point_bytes != 0 || claimed / point_bytes != header.points) {
     return fault("it claims {} bytes when decompressed, which is not POINTS {} of {} bytes each", claimed,
                  header.points, point_bytes);
   }
-  if (claimed > limits.max_bytes) {
-    return over_limit(fmt::format("PCD body: it claims {} bytes when decompressed, which exceeds the limit of {}",
-                                  claimed, limits.max_bytes),
-                      {"max_bytes", claimed, limits.max_bytes});
-  }
-  constexpr std::uint64_t kBestRatio = 88;  // LZF: 264 bytes by a reference of 3
+  RETURN_IF_ERROR(check_bytes("PCD body: its decompressed ", claimed, limits));
+  constexpr std::uint64_t kBestRatio = 88;  // An LZF reference of 3 bytes stands for at most 264 bytes.
   if (claimed > kBestRatio * compressed) {
     return fault("it claims {} bytes when decompressed, more than {} compressed bytes can hold", claimed, compressed);
   }
   return body.subspan(kSizes, compressed);
 }
 
-/// Fields one after the other, each with all its points, as one LZF block.
+/// Reads a binary_compressed body: fields one after the other, each with all its points, as one LZF block.
 absl::Status read_compressed(const PcdHeader& header, std::span<const std::byte> body, const DecodeLimits& limits,
                              const StopToken& stop, LabelledCloud& out) {
-  const auto compressed = compressed_bytes(header, body, limits);
-  if (!compressed.ok()) return compressed.status();
+  ASSIGN_OR_RETURN(const auto compressed, compressed_bytes(header, body, limits));
   const std::size_t size = header.points * header.point_bytes();
   const auto planes = allocate(size);
   if (size > 0) {
-    const unsigned written = lzf_decompress(compressed->data(), static_cast<unsigned>(compressed->size()), planes.get(),
+    const unsigned written = lzf_decompress(compressed.data(), static_cast<unsigned>(compressed.size()), planes.get(),
                                             static_cast<unsigned>(size));
-    if (written != size) return fault("the {} compressed bytes are damaged", compressed->size());
+    if (written != size) return fault("the {} compressed bytes are damaged", compressed.size());
   }
   const auto column = [&](std::size_t field) {
     std::size_t offset = 0;
@@ -88,18 +87,18 @@ absl::Status read_compressed(const PcdHeader& header, std::span<const std::byte>
   return read_columns(header.roles, column, header.points, out, stop);
 }
 
-/// One wanted value of a line of text: which word it is, and where it goes in the row.
+/// A value of a line of text that is kept.
 struct Slot {
-  std::size_t word = 0;
-  std::size_t field = 0;
-  std::size_t offset = 0;
+  std::size_t word = 0;    ///< which word of the line it is
+  std::size_t field = 0;   ///< index of its field
+  std::size_t offset = 0;  ///< bytes from the start of the binary row
 };
 
-/// How a line of text becomes a row of binary values, of the fields that have a role only.
+/// How a line of text becomes a row of binary values. Only the fields that have a role are kept.
 struct RowPlan {
   std::vector<Slot> slots;  ///< in the order of the words
-  std::size_t words = 0;    ///< of a line
-  std::size_t bytes = 0;    ///< of a row
+  std::size_t words = 0;    ///< number of words in a line
+  std::size_t bytes = 0;    ///< length of a row
 
   explicit RowPlan(const PcdHeader& header) {
     const auto wanted = header.roles.fields();
@@ -113,6 +112,7 @@ struct RowPlan {
   }
 };
 
+/// Writes the values of a line to `row`, which has plan.bytes bytes.
 absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineReader::Line& line, std::byte* row) {
   std::string_view rest = line.text;
   std::size_t words = 0;
@@ -127,30 +127,37 @@ absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineR
     ++slot;
   }
   if (words != plan.words) {
-    return fault("line {} has {} values; FIELDS and COUNT promise {}", line.number, words, plan.words);
+    return fault("line {} has {} values, but FIELDS and COUNT promise {}", line.number, words, plan.words);
   }
   return absl::OkStatus();
 }
 
-absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
-                        LabelledCloud& out) {
-  const RowPlan plan(header);
-  // Every value takes a byte and a delimiter; the last one can do without.
-  if (header.points > (body.size() + 1) / 2 / plan.words) {
-    return fault("{} bytes are there; POINTS {} of {} values each need more", body.size(), header.points, plan.words);
-  }
-  const auto rows = allocate(header.points * plan.bytes);
-  LineReader lines(as_text(body), header.body_line);
+/// Writes the header.points lines of a text body to `rows`, each as a row of plan.bytes bytes.
+absl::Status parse_rows(const PcdHeader& header, const RowPlan& plan, std::string_view body, const StopToken& stop,
+                        std::byte* rows) {
+  LineReader lines(body, header.body_line);
   std::size_t read = 0;
   StopCheck check(stop);
   while (const auto line = lines.next()) {
-    if (check.after(1)) return stop.check();
-    if (line->text.find_first_not_of(" \t\r") == std::string_view::npos) continue;
+    if (check.after(1)) return check.status();
+    if (is_blank(line->text)) continue;
     if (read == header.points) return fault("line {} is one more than POINTS {} promises", line->number, header.points);
-    if (auto status = parse_row(header, plan, *line, rows.get() + read * plan.bytes); !status.ok()) return status;
+    RETURN_IF_ERROR(parse_row(header, plan, *line, rows + read * plan.bytes));
     ++read;
   }
   if (read != header.points) return fault("it ends after {} of POINTS {}", read, header.points);
+  return absl::OkStatus();
+}
+
+/// Reads an ascii body: a line for each point, with the values of all its fields.
+absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
+                        LabelledCloud& out) {
+  const RowPlan plan(header);
+  if (header.points > most_values(body.size()) / plan.words) {
+    return fault("it has {} bytes, but POINTS {} of {} values each need more", body.size(), header.points, plan.words);
+  }
+  const auto rows = allocate(header.points * plan.bytes);
+  RETURN_IF_ERROR(parse_rows(header, plan, as_text(body), stop, rows.get()));
   const auto column = [&](std::size_t field) {
     const auto slot =
         std::find_if(plan.slots.begin(), plan.slots.end(), [&](const Slot& s) { return s.field == field; });
@@ -172,11 +179,12 @@ absl::Status read_body(const PcdHeader& header, std::span<const std::byte> body,
   return read_compressed(header, body, limits, stop, out);
 }
 
+/// Chooses the view by the rule of decode_pcd, and says so.
 void choose_view(const PcdHeader& header, const std::optional<View>& given, LabelledCloud& out) {
   const auto [x, y, z] = header.viewpoint;
   if (given) {
     out.cloud.view = *given;
-    out.view_rule = given->kind == ViewKind::kCamera ? "CAMERA, as asked for" : "WORLD, as asked for";
+    out.view_rule = given_view_rule(*given);
   } else if (header.height > 1 && header.identity_viewpoint) {
     out.cloud.view = View::camera();
     out.view_rule = fmt::format("CAMERA: the cloud is organized ({} x {}) and its VIEWPOINT is the identity",
@@ -192,19 +200,13 @@ void choose_view(const PcdHeader& header, const std::optional<View>& given, Labe
 
 absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                          std::optional<View> view, const StopToken& stop) {
-  if (bytes.size() > limits.max_bytes) {
-    return over_limit(fmt::format("PCD file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes),
-                      {"max_bytes", bytes.size(), limits.max_bytes});
-  }
-  const auto header = parse_pcd_header(as_text(bytes), limits);
-  if (!header.ok()) return header.status();
+  RETURN_IF_ERROR(check_bytes("PCD file: ", bytes.size(), limits));
+  ASSIGN_OR_RETURN(const PcdHeader header, parse_pcd_header(as_text(bytes), limits));
   LabelledCloud out;
-  if (auto status = read_body(*header, bytes.subspan(header->body_offset), limits, stop, out); !status.ok()) {
-    return status;
-  }
-  out.cloud.width = header->width;
-  out.cloud.height = header->height;
-  choose_view(*header, view, out);
+  RETURN_IF_ERROR(read_body(header, bytes.subspan(header.body_offset), limits, stop, out));
+  out.cloud.width = header.width;
+  out.cloud.height = header.height;
+  choose_view(header, view, out);
   return out;
 }
 

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <lzf.h>
 
-#include <cmath>
+#include <bit>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -13,10 +13,24 @@
 namespace segserve::codec {
 namespace {
 
-constexpr std::size_t kValueBytes = 4;  // every field we write
+constexpr std::size_t kValueBytes = 4;  // the size of every field that we write
+constexpr std::uint32_t kAllBits = 0xFFFFFFFFU;
+constexpr std::uint32_t kColorBits = 0xFFFFFFU;
 
 std::size_t point_bytes(const CloudView& cloud, std::span<const std::uint32_t> label) {
   return kValueBytes * (3U + (cloud.has_color() ? 1U : 0U) + (label.empty() ? 0U : 1U));
+}
+
+std::string_view name_of(PcdEncoding encoding) {
+  switch (encoding) {
+    case PcdEncoding::kAscii:
+      return "ascii";
+    case PcdEncoding::kBinary:
+      return "binary";
+    case PcdEncoding::kBinaryCompressed:
+      break;
+  }
+  return "binary_compressed";
 }
 
 std::string encode_header(const CloudView& cloud, bool has_label, PcdEncoding encoding) {
@@ -26,17 +40,14 @@ std::string encode_header(const CloudView& cloud, bool has_label, PcdEncoding en
     return fmt::format("{}{}{}", first_three, color ? rgb : "", has_label ? label : "");
   };
   const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
-  // Text of type F would make a NaN of some colors; PCL, too, writes an integer then.
+  // As text of type F, some colors would be NaN. PCL writes an integer as well.
   std::string header = fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
       "FIELDS {}\nSIZE {}\nTYPE {}\nCOUNT {}\n",
       per_field("x y z", " rgb", " label"), per_field("4 4 4", " 4", " 4"),
       per_field("F F F", ascii ? " U" : " F", " U"), per_field("1 1 1", " 1", " 1"));
   fmt::format_to(std::back_inserter(header), "WIDTH {}\nHEIGHT {}\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {}\nDATA {}\n",
-                 cloud.width, cloud.height, sensor[0], sensor[1], sensor[2], cloud.size(),
-                 ascii                              ? "ascii"
-                 : encoding == PcdEncoding::kBinary ? "binary"
-                                                    : "binary_compressed");
+                 cloud.width, cloud.height, sensor[0], sensor[1], sensor[2], cloud.size(), name_of(encoding));
   return header;
 }
 
@@ -46,15 +57,15 @@ void append_ascii(const CloudView& cloud, std::span<const std::uint32_t> label, 
     append_number(out, cloud.x[i]);
     append_number(out += ' ', cloud.y[i]);
     append_number(out += ' ', cloud.z[i]);
-    if (cloud.has_color()) fmt::format_to(to, " {}", cloud.rgb[i] & 0xFFFFFFU);
+    if (cloud.has_color()) fmt::format_to(to, " {}", cloud.rgb[i] & kColorBits);
     if (!label.empty()) fmt::format_to(to, " {}", label[i]);
     out += '\n';
   }
 }
 
-/// Copies a plane to every `stride`-th byte from `out`. Colors lose their top byte, so that none is a NaN.
+/// Copies each value of a plane, its bits masked, to `out` and every `stride` bytes from there.
 template <typename T>
-void scatter(std::span<const T> plane, char* out, std::size_t stride, std::uint32_t mask = 0xFFFFFFFFU) {
+void scatter(std::span<const T> plane, char* out, std::size_t stride, std::uint32_t mask) {
   static_assert(sizeof(T) == kValueBytes);
   for (const T& value : plane) {
     const std::uint32_t bits = std::bit_cast<std::uint32_t>(value) & mask;
@@ -63,35 +74,38 @@ void scatter(std::span<const T> plane, char* out, std::size_t stride, std::uint3
   }
 }
 
-/// The body's values: field f of point i at f * field_step + i * point_step.
-std::string lay_out(const CloudView& cloud, std::span<const std::uint32_t> label, std::size_t field_step,
-                    std::size_t point_step) {
+/// The values of a binary body. Field f of point i begins at byte f * field_step + i * point_step.
+std::string binary_body(const CloudView& cloud, std::span<const std::uint32_t> label, std::size_t field_step,
+                        std::size_t point_step) {
   std::string body(cloud.size() * point_bytes(cloud, label), '\0');
   char* field = body.data();
   const auto put = [&](auto plane, std::uint32_t mask) {
     scatter(plane, field, point_step, mask);
     field += field_step;
   };
-  put(cloud.x, 0xFFFFFFFFU);
-  put(cloud.y, 0xFFFFFFFFU);
-  put(cloud.z, 0xFFFFFFFFU);
-  if (cloud.has_color()) put(cloud.rgb, 0xFFFFFFU);
-  if (!label.empty()) put(label, 0xFFFFFFFFU);
+  put(cloud.x, kAllBits);
+  put(cloud.y, kAllBits);
+  put(cloud.z, kAllBits);
+  if (cloud.has_color()) put(cloud.rgb, kColorBits);  // Without the top byte no color is a NaN.
+  if (!label.empty()) put(label, kAllBits);
   return body;
 }
 
-/// LZF's worst case, a byte of control before each 32, and the room it wants to have ahead.
+/// The most bytes that LZF writes: a control byte before each 32 bytes, and the space that it wants to have ahead.
 std::size_t compressed_bound(std::size_t bytes) { return bytes + bytes / 32 + 16; }
 
+/// The body of binary_compressed: the compressed and the decompressed size, and one LZF block.
 std::string compress(const std::string& planes) {
-  std::string out(2 * sizeof(std::uint32_t) + compressed_bound(planes.size()), '\0');
+  constexpr std::size_t kSizes = 2 * sizeof(std::uint32_t);
+  std::string out(kSizes + compressed_bound(planes.size()), '\0');
   const auto size = static_cast<std::uint32_t>(planes.size());
-  // Of nothing there is nothing to compress.
-  const std::uint32_t compressed =
-      size == 0 ? 0 : lzf_compress(planes.data(), size, out.data() + 8, static_cast<unsigned>(out.size() - 8));
+  std::uint32_t compressed = 0;
+  if (size > 0) {  // LZF takes no empty block.
+    compressed = lzf_compress(planes.data(), size, out.data() + kSizes, static_cast<unsigned>(out.size() - kSizes));
+  }
   std::memcpy(out.data(), &compressed, sizeof compressed);
   std::memcpy(out.data() + 4, &size, sizeof size);
-  out.resize(8 + compressed);
+  out.resize(kSizes + compressed);
   return out;
 }
 
@@ -109,11 +123,11 @@ std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> la
       append_ascii(cloud, label, out);
       return out;
     case PcdEncoding::kBinary:
-      return out += lay_out(cloud, label, kValueBytes, point_bytes(cloud, label));
+      return out += binary_body(cloud, label, kValueBytes, point_bytes(cloud, label));
     case PcdEncoding::kBinaryCompressed:
       break;
   }
-  return out += compress(lay_out(cloud, label, kValueBytes * cloud.size(), kValueBytes));
+  return out += compress(binary_body(cloud, label, kValueBytes * cloud.size(), kValueBytes));
 }
 
 }  // namespace segserve::codec

@@ -3,23 +3,29 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
 namespace {
 
+constexpr std::string_view kPrefix = "PCD header: ";
+
 template <typename... Args>
 absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
-  return absl::InvalidArgumentError("PCD header: " + fmt::format(format, std::forward<Args>(args)...));
+  return absl::InvalidArgumentError(std::string(kPrefix) + fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// One line of the header, split: its words after the keyword.
+/// One line of the header: its number, and its words after the keyword.
 struct Entry {
   std::size_t line = 0;
   std::vector<std::string_view> words;
@@ -33,17 +39,17 @@ absl::Status check_keyword(std::string_view keyword, std::size_t line, const Ent
   if (std::find(kKeywords.begin(), kKeywords.end(), keyword) == kKeywords.end()) {
     if (entries.empty()) {
       return absl::InvalidArgumentError(fmt::format(
-          "not a PCD file: line {} begins with {}, not with an entry of a PCD header", line, quoted(keyword)));
+          "not a PCD file: line {} begins with {}, which is no entry of a PCD header", line, quoted(keyword)));
     }
     return fault("line {} begins with {}, which is no entry of a PCD header", line, quoted(keyword));
   }
   if (entries.contains(keyword)) {
-    return fault("{} in line {} is there already in line {}", keyword, line, entries.at(keyword).line);
+    return fault("{} occurs twice, in lines {} and {}", keyword, entries.at(keyword).line, line);
   }
   return absl::OkStatus();
 }
 
-/// Collects the entries up to DATA and notes where the body begins.
+/// Collects the entries up to DATA, and notes in `header` where the body begins.
 absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
   Entries entries;
   LineReader lines(file);
@@ -51,8 +57,8 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
     std::string_view text = line->text;
     std::string_view keyword = take_word(text);
     if (keyword.empty() || keyword.starts_with('#')) continue;
-    if (keyword == "COLUMNS") keyword = "FIELDS";  // its name before 0.6
-    if (auto status = check_keyword(keyword, line->number, entries); !status.ok()) return status;
+    if (keyword == "COLUMNS") keyword = "FIELDS";  // The entry had this name before version 0.6.
+    RETURN_IF_ERROR(check_keyword(keyword, line->number, entries));
     if (!line->terminated) break;
     entries[keyword] = {line->number, split_words(text)};
     if (keyword == "DATA") {
@@ -65,25 +71,25 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
   return fault("it ends without a line DATA");
 }
 
-const Entry* find(const Entries& entries, std::string_view keyword) {
+const Entry* find_entry(const Entries& entries, std::string_view keyword) {
   const auto found = entries.find(keyword);
   return found == entries.end() ? nullptr : &found->second;
 }
 
 absl::StatusOr<std::optional<std::uint64_t>> read_count(const Entries& entries, std::string_view keyword) {
-  const Entry* entry = find(entries, keyword);
+  const Entry* entry = find_entry(entries, keyword);
   if (entry == nullptr) return std::nullopt;
   const auto count = entry->words.size() == 1 ? parse_count(entry->words[0]) : std::nullopt;
   if (!count) return fault("{} in line {} must be one whole number", keyword, entry->line);
   return count;
 }
 
-absl::Status read_version(const Entries& entries) {
+absl::Status check_version(const Entries& entries) {
   constexpr std::array<std::string_view, 6> kVersions{"0.7", ".7", "0.6", ".6", "0.5", ".5"};
-  const Entry* entry = find(entries, "VERSION");
+  const Entry* entry = find_entry(entries, "VERSION");
   if (entry == nullptr) return absl::OkStatus();
   if (entry->words.size() != 1 || std::find(kVersions.begin(), kVersions.end(), entry->words[0]) == kVersions.end()) {
-    return fault("VERSION in line {} is {}; 0.5, 0.6 and 0.7 can be read", entry->line,
+    return fault("VERSION in line {} is {}; it must be 0.5, 0.6 or 0.7", entry->line,
                  entry->words.empty() ? "missing" : quoted(entry->words[0]));
   }
   return absl::OkStatus();
@@ -107,8 +113,9 @@ std::optional<ScalarType> scalar_type(std::string_view type, std::string_view si
   return std::nullopt;
 }
 
+/// The entry `keyword`, which must have one word for each of the `fields` fields.
 absl::StatusOr<const Entry*> per_field_entry(const Entries& entries, std::string_view keyword, std::size_t fields) {
-  const Entry* entry = find(entries, keyword);
+  const Entry* entry = find_entry(entries, keyword);
   if (entry == nullptr) return fault("{} is missing", keyword);
   if (entry->words.size() != fields) {
     return fault("{} in line {} has {} values for {} FIELDS", keyword, entry->line, entry->words.size(), fields);
@@ -116,76 +123,75 @@ absl::StatusOr<const Entry*> per_field_entry(const Entries& entries, std::string
   return entry;
 }
 
+/// Parses one field from its words in FIELDS, TYPE, SIZE and COUNT.
+absl::StatusOr<PcdField> parse_field(std::string_view name, std::string_view type_word, std::string_view size_word,
+                                     std::string_view count_word) {
+  const auto type = scalar_type(type_word, size_word);
+  if (!type) {
+    return fault("field {} has TYPE {} and SIZE {}; they must be F4, F8, U1, U2, U4, U8, I1, I2, I4 or I8",
+                 quoted(name), quoted(type_word), quoted(size_word));
+  }
+  const auto count = parse_count(count_word);
+  if (!count || *count == 0) {
+    return fault("COUNT of field {} is {}; it must be a whole number of at least 1", quoted(name), quoted(count_word));
+  }
+  return PcdField{std::string(name), *type, static_cast<std::size_t>(*count)};
+}
+
 absl::Status read_fields(const Entries& entries, const DecodeLimits& limits, PcdHeader& header) {
-  const Entry* names = find(entries, "FIELDS");
+  const Entry* names = find_entry(entries, "FIELDS");
   if (names == nullptr || names->words.empty()) return fault("FIELDS is missing");
   const std::size_t n = names->words.size();
-  const auto sizes = per_field_entry(entries, "SIZE", n);
-  if (!sizes.ok()) return sizes.status();
-  const auto types = per_field_entry(entries, "TYPE", n);
-  if (!types.ok()) return types.status();
+  ASSIGN_OR_RETURN(const Entry* const sizes, per_field_entry(entries, "SIZE", n));
+  ASSIGN_OR_RETURN(const Entry* const types, per_field_entry(entries, "TYPE", n));
   const Entry ones{names->line, std::vector<std::string_view>(n, "1")};
-  const auto counts = find(entries, "COUNT") == nullptr ? &ones : per_field_entry(entries, "COUNT", n);
-  if (!counts.ok()) return counts.status();
-  std::uint64_t point_bytes = 0;
+  const Entry* counts = &ones;
+  if (find_entry(entries, "COUNT") != nullptr) {
+    ASSIGN_OR_RETURN(counts, per_field_entry(entries, "COUNT", n));
+  }
+  std::uint64_t bytes_left = limits.max_bytes;
   for (std::size_t i = 0; i < n; ++i) {
-    const std::string_view name = names->words[i];
-    const auto type = scalar_type((*types)->words[i], (*sizes)->words[i]);
-    if (!type) {
-      return fault("field {} has TYPE {} and SIZE {}; known are F4 F8 U1 U2 U4 U8 I1 I2 I4 I8", quoted(name),
-                   quoted((*types)->words[i]), quoted((*sizes)->words[i]));
-    }
-    const auto count = parse_count((*counts)->words[i]);
-    if (!count || *count == 0) {
-      return fault("COUNT of field {} is {}; it must be a whole number from 1", quoted(name),
-                   quoted((*counts)->words[i]));
-    }
-    if (*count > (limits.max_bytes - point_bytes) / size_of(*type)) {
-      const std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
+    ASSIGN_OR_RETURN(PcdField field, parse_field(names->words[i], types->words[i], sizes->words[i], counts->words[i]));
+    if (field.count > bytes_left / size_of(field.type)) {
+      const std::uint64_t bytes_before = limits.max_bytes - bytes_left;
       return over_limit(
-          fmt::format("PCD header: COUNT {} of field {} makes one point larger than the limit of {} bytes", *count,
-                      quoted(name), limits.max_bytes),
-          {"max_bytes", *count > (most - point_bytes) / size_of(*type) ? most : point_bytes + *count * size_of(*type),
+          fmt::format("{}COUNT {} of field {} makes one point larger than the limit of {} bytes", kPrefix, field.count,
+                      quoted(field.name), limits.max_bytes),
+          {"max_bytes", saturating_sum(bytes_before, saturating_product(field.count, size_of(field.type))),
            limits.max_bytes});
     }
-    header.fields.push_back({std::string(name), *type, static_cast<std::size_t>(*count)});
-    point_bytes += header.fields.back().bytes();
+    bytes_left -= field.bytes();
+    header.fields.push_back(std::move(field));
   }
   return absl::OkStatus();
 }
 
 absl::Status read_shape(const Entries& entries, const DecodeLimits& limits, PcdHeader& header) {
-  const auto points = read_count(entries, "POINTS");
-  if (!points.ok()) return points.status();
-  const auto given_width = read_count(entries, "WIDTH");
-  if (!given_width.ok()) return given_width.status();
-  const auto given_height = read_count(entries, "HEIGHT");
-  if (!given_height.ok()) return given_height.status();
-  if (!*points && !*given_width) return fault("POINTS and WIDTH are missing");
-  const std::uint64_t width = given_width->value_or(points->value_or(0));
-  const std::uint64_t height = given_height->value_or(1);
-  constexpr std::uint64_t kLargest = std::numeric_limits<std::uint32_t>::max();
-  if (width > kLargest || height > kLargest) {
-    return over_limit(fmt::format("PCD header: WIDTH {} x HEIGHT {} exceeds the limit of {} points", width, height,
-                                  limits.max_points),
-                      {"max_points", std::max(width, height), limits.max_points});
-  }
-  if (points->value_or(width * height) != width * height) {
-    return fault("POINTS {} is not WIDTH {} x HEIGHT {}", **points, width, height);
-  }
-  if (width * height > limits.max_points) {
+  ASSIGN_OR_RETURN(const auto given_points, read_count(entries, "POINTS"));
+  ASSIGN_OR_RETURN(const auto given_width, read_count(entries, "WIDTH"));
+  ASSIGN_OR_RETURN(const auto given_height, read_count(entries, "HEIGHT"));
+  if (!given_points && !given_width) return fault("POINTS and WIDTH are missing");
+  const std::uint64_t width = given_width ? *given_width : *given_points;
+  const std::uint64_t height = given_height.value_or(1);
+  constexpr std::uint64_t kMaxSide = std::numeric_limits<std::uint32_t>::max();
+  if (width > kMaxSide || height > kMaxSide) {
     return over_limit(
-        fmt::format("PCD header: POINTS {} exceeds the limit of {} points", width * height, limits.max_points),
-        {"max_points", width * height, limits.max_points});
+        fmt::format("{}WIDTH {} x HEIGHT {} exceeds the limit of {} points", kPrefix, width, height, limits.max_points),
+        {"max_points", std::max(width, height), limits.max_points});
   }
+  const std::uint64_t points = width * height;  // less than 2^64
+  if (given_points.value_or(points) != points) {
+    return fault("POINTS {} is not WIDTH {} x HEIGHT {}", *given_points, width, height);
+  }
+  RETURN_IF_ERROR(check_points(kPrefix, points, limits));
   header.width = static_cast<std::uint32_t>(width);
   header.height = static_cast<std::uint32_t>(height);
-  header.points = static_cast<std::size_t>(width * height);
+  header.points = static_cast<std::size_t>(points);
   return absl::OkStatus();
 }
 
 absl::Status read_viewpoint(const Entries& entries, PcdHeader& header) {
-  const Entry* entry = find(entries, "VIEWPOINT");
+  const Entry* entry = find_entry(entries, "VIEWPOINT");
   if (entry == nullptr) return absl::OkStatus();
   std::array<float, 7> pose{};  // translation x y z, rotation w x y z
   bool good = entry->words.size() == pose.size();
@@ -210,10 +216,28 @@ absl::Status read_encoding(const Entries& entries, PcdHeader& header) {
   } else if (word == "binary_compressed") {
     header.encoding = PcdEncoding::kBinaryCompressed;
   } else {
-    return fault("DATA in line {} is {}; known are ascii, binary and binary_compressed", entry.line,
+    return fault("DATA in line {} is {}; it must be ascii, binary or binary_compressed", entry.line,
                  quoted(entry.words.empty() ? "" : entry.words[0]));
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<FieldRoles> find_roles(const std::vector<PcdField>& fields) {
+  std::vector<std::string_view> names;
+  names.reserve(fields.size());
+  for (const PcdField& field : fields) names.emplace_back(field.name);
+  ASSIGN_OR_RETURN(const auto position, find_triple(names, {"x", "y", "z"}));
+  if (!position) return absl::InvalidArgumentError("x, y and z must be there");
+  ASSIGN_OR_RETURN(const auto rgb, find_unique(names, "rgb"));
+  ASSIGN_OR_RETURN(const auto rgba, find_unique(names, "rgba"));
+  ASSIGN_OR_RETURN(const auto channels, find_triple(names, {"r", "g", "b"}));
+  ASSIGN_OR_RETURN(const auto label, find_unique(names, "label"));
+  FieldRoles roles;
+  roles.position = *position;
+  roles.packed = rgb ? rgb : rgba;
+  if (!roles.packed) roles.channels = channels;
+  roles.label = label;
+  return roles;
 }
 
 absl::Status check_roles(const PcdHeader& header) {
@@ -228,32 +252,16 @@ absl::Status check_roles(const PcdHeader& header) {
   if (header.roles.packed) {
     const PcdField& field = header.fields[*header.roles.packed];
     if (field.bytes() != 4) {
-      return fault("field '{}' is packed color and must have SIZE 4, not {}", field.name, field.bytes());
+      return fault("field '{}' is a packed color and must have SIZE 4, not {}", field.name, field.bytes());
     }
   }
   return absl::OkStatus();
 }
 
 absl::Status assign_roles(PcdHeader& header) {
-  std::vector<std::string_view> names;
-  names.reserve(header.fields.size());
-  for (const PcdField& field : header.fields) names.emplace_back(field.name);
-  const auto in_fields = [](const absl::Status& status) { return fault("FIELDS: {}", std::string(status.message())); };
-  const auto position = find_three(names, {"x", "y", "z"});
-  if (!position.ok()) return in_fields(position.status());
-  if (!*position) return fault("FIELDS must contain x, y and z");
-  const auto rgb = find_unique(names, "rgb");
-  if (!rgb.ok()) return in_fields(rgb.status());
-  const auto rgba = find_unique(names, "rgba");
-  if (!rgba.ok()) return in_fields(rgba.status());
-  const auto channels = find_three(names, {"r", "g", "b"});
-  if (!channels.ok()) return in_fields(channels.status());
-  const auto label = find_unique(names, "label");
-  if (!label.ok()) return in_fields(label.status());
-  header.roles.position = **position;
-  header.roles.packed = rgb->has_value() ? *rgb : *rgba;
-  if (!header.roles.packed) header.roles.channels = *channels;
-  header.roles.label = *label;
+  auto roles = find_roles(header.fields);
+  if (!roles.ok()) return with_prefix("PCD header: FIELDS", roles.status());
+  header.roles = *std::move(roles);
   return check_roles(header);
 }
 
@@ -269,14 +277,13 @@ std::size_t PcdHeader::point_bytes() const {
 
 absl::StatusOr<PcdHeader> parse_pcd_header(std::string_view file, const DecodeLimits& limits) {
   PcdHeader header;
-  const auto entries = split_header(file, header);
-  if (!entries.ok()) return entries.status();
-  if (auto status = read_version(*entries); !status.ok()) return status;
-  if (auto status = read_fields(*entries, limits, header); !status.ok()) return status;
-  if (auto status = read_shape(*entries, limits, header); !status.ok()) return status;
-  if (auto status = read_viewpoint(*entries, header); !status.ok()) return status;
-  if (auto status = read_encoding(*entries, header); !status.ok()) return status;
-  if (auto status = assign_roles(header); !status.ok()) return status;
+  ASSIGN_OR_RETURN(const Entries entries, split_header(file, header));
+  RETURN_IF_ERROR(check_version(entries));
+  RETURN_IF_ERROR(read_fields(entries, limits, header));
+  RETURN_IF_ERROR(read_shape(entries, limits, header));
+  RETURN_IF_ERROR(read_viewpoint(entries, header));
+  RETURN_IF_ERROR(read_encoding(entries, header));
+  RETURN_IF_ERROR(assign_roles(header));
   return header;
 }
 

@@ -17,34 +17,36 @@
 
 namespace segserve::codec {
 
+/// A field of every point: its entries in FIELDS, TYPE, SIZE and COUNT.
 struct PcdField {
   std::string name;
   ScalarType type = ScalarType::kFloat32;
-  std::size_t count = 1;
+  std::size_t count = 1;  ///< values of the type, at least 1
 
   std::size_t bytes() const { return size_of(type) * count; }
-  /// Padding, which binary_compressed leaves out.
+  /// Whether the field is padding. The encoding binary_compressed leaves it out.
   bool is_padding() const { return name == "_"; }
 };
 
-/// What a PCD header says, checked for itself and against the limits; not yet against the body.
+/// The content of a PCD header. It agrees with itself and with the limits, but has not been compared with the body.
 struct PcdHeader {
   std::vector<PcdField> fields;
-  Roles roles;  ///< indices into `fields`
+  FieldRoles roles;  ///< indices into `fields`
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::size_t points = 0;            ///< width * height
   std::array<float, 3> viewpoint{};  ///< translation, meters
-  bool identity_viewpoint = true;    ///< neither translation nor rotation
+  bool identity_viewpoint = true;    ///< the viewpoint has neither a translation nor a rotation
   PcdEncoding encoding = PcdEncoding::kAscii;
-  std::size_t body_offset = 0;  ///< bytes from the begin of the file
-  std::size_t body_line = 1;    ///< number of the body's first line
+  std::size_t body_offset = 0;  ///< bytes from the beginning of the file
+  std::size_t body_line = 1;    ///< number of the body's first line, counted from 1
 
-  /// Bytes of one point in a binary body; no overflow, by the check against the limits.
+  /// Bytes of one point in a binary body. The sum cannot overflow, because it is at most DecodeLimits::max_bytes.
   std::size_t point_bytes() const;
 };
 
-/// INVALID_ARGUMENT with the line and the fault.
+/// Parses the header at the beginning of a PCD file. INVALID_ARGUMENT that names the line and the fault, or the
+/// exceeded limit.
 absl::StatusOr<PcdHeader> parse_pcd_header(std::string_view file, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

@@ -6,6 +6,8 @@
 #include <memory>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/ply/ply_header.hpp"
@@ -19,7 +21,7 @@ absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
   return absl::InvalidArgumentError("PLY body: " + fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// The length of a list as it stands in `bytes`; none if it is negative.
+/// The length of a list that begins with `bytes`, or nullopt if it is negative.
 std::optional<std::uint64_t> list_length(const std::byte* bytes, ScalarType type, std::endian order) {
   return visit_type(type, [&]<typename T>(T) -> std::optional<std::uint64_t> {
     const T length = load<T>(bytes, order);
@@ -28,19 +30,20 @@ std::optional<std::uint64_t> list_length(const std::byte* bytes, ScalarType type
   });
 }
 
+// BinaryValues and TextValues have the same members, so that read_element can walk over either kind of body. A member
+// that returns false has found a fault, which place() then describes.
+
 /// Walks over the values of a binary body.
 class BinaryValues {
  public:
   BinaryValues(std::span<const std::byte> body, std::endian order) : rest_(body), order_(order) {}
 
   std::endian order() const { return order_; }
-  bool can_hold(const PlyElement& element) const {
-    const std::size_t bytes = element.least_row_bytes();
-    return bytes == 0 || element.rows <= rest_.size() / bytes;
-  }
+  /// Whether the rest of the body is long enough for an element that has properties.
+  bool can_hold(const PlyElement& element) const { return element.rows <= rest_.size() / element.least_row_bytes(); }
   bool begin_row() { return true; }
   bool end_row() { return true; }
-  /// Copies the value to `out` (null: skips it), in the body's byte order.
+  /// Copies a value to `out` in the body's byte order, or skips it if `out` is null.
   bool scalar(const PlyProperty& property, std::byte* out) {
     const std::size_t bytes = size_of(property.type);
     if (rest_.size() < bytes) return false;
@@ -57,7 +60,9 @@ class BinaryValues {
     rest_ = rest_.subspan(static_cast<std::size_t>(*length) * size_of(property.type));
     return true;
   }
-  absl::Status check_end() const { return absl::OkStatus(); }  // what follows belongs to nobody
+  /// Bytes behind the last element are ignored.
+  absl::Status check_end() const { return absl::OkStatus(); }
+  /// Describes the last fault.
   static std::string place() { return "the body is too short, or the length of a list is wrong"; }
 
  private:
@@ -65,19 +70,19 @@ class BinaryValues {
   std::endian order_;
 };
 
-/// Walks over the values of a text body: a line for each row.
+/// Walks over the values of a text body, which has a line for each row.
 class TextValues {
  public:
   TextValues(std::string_view body, std::size_t first_line) : lines_(body, first_line), bytes_(body.size()) {}
 
   static std::endian order() { return std::endian::native; }
+  /// Whether the body is long enough for an element that has properties.
   bool can_hold(const PlyElement& element) const {
-    // Every value takes a byte and a delimiter; the last one can do without.
-    return element.properties.empty() || element.rows <= (bytes_ + 1) / 2 / element.properties.size();
+    return element.rows <= most_values(bytes_) / element.properties.size();
   }
   bool begin_row() {
     std::optional<LineReader::Line> line = lines_.next();
-    while (line && line->text.find_first_not_of(" \t\r") == std::string_view::npos) line = lines_.next();
+    while (line && is_blank(line->text)) line = lines_.next();
     if (!line) return explain("it ends too early");
     line_ = *line;
     return true;
@@ -105,6 +110,7 @@ class TextValues {
     const bool more = begin_row();
     return more ? fault("line {} is one more than the header promises", line_.number) : absl::OkStatus();
   }
+  /// Describes the last fault.
   std::string place() const {
     return line_.number == 0 ? explanation_ : fmt::format("line {}: {}", line_.number, explanation_);
   }
@@ -121,14 +127,14 @@ class TextValues {
   std::string explanation_;
 };
 
-/// The values of the properties that have a role, a row for each vertex.
+/// The values of the properties that have a role. Each vertex has a row.
 struct VertexRows {
   static constexpr std::size_t kSkip = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> offset;  ///< within a row, by property; kSkip: it has no role
-  std::size_t bytes = 0;            ///< of a row
+  std::vector<std::size_t> offset;  ///< where each property begins in a row; kSkip if it has no role
+  std::size_t bytes = 0;            ///< length of a row
   std::unique_ptr<std::byte[]> data;
 
-  VertexRows(const PlyElement& vertex, const Roles& roles) : offset(vertex.properties.size(), kSkip) {
+  VertexRows(const PlyElement& vertex, const FieldRoles& roles) : offset(vertex.properties.size(), kSkip) {
     for (const std::size_t property : roles.fields()) {
       offset[property] = bytes;
       bytes += size_of(vertex.properties[property].type);
@@ -136,7 +142,7 @@ struct VertexRows {
   }
 };
 
-/// Reads one element; keeps its values if `keep` is not null.
+/// Reads one element. Its values are kept in `keep` unless that is null.
 template <typename Values>
 absl::Status read_element(const PlyElement& element, Values& values, VertexRows* keep) {
   if (element.properties.empty()) return absl::OkStatus();
@@ -164,9 +170,9 @@ absl::Status read_body(const PlyHeader& header, Values values, LabelledCloud& ou
   const PlyElement& vertex = header.elements[header.vertex];
   VertexRows rows(vertex, header.roles);
   for (const PlyElement& element : header.elements) {
-    if (auto status = read_element(element, values, &element == &vertex ? &rows : nullptr); !status.ok()) return status;
+    RETURN_IF_ERROR(read_element(element, values, &element == &vertex ? &rows : nullptr));
   }
-  if (auto status = values.check_end(); !status.ok()) return status;
+  RETURN_IF_ERROR(values.check_end());
   const auto column = [&](std::size_t property) {
     return Column{rows.data.get() + rows.offset[property], rows.bytes, vertex.properties[property].type,
                   values.order()};
@@ -190,18 +196,12 @@ absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body,
 
 absl::StatusOr<LabelledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                          std::optional<View> view) {
-  if (bytes.size() > limits.max_bytes) {
-    return over_limit(fmt::format("PLY file of {} bytes exceeds the limit of {} bytes", bytes.size(), limits.max_bytes),
-                      {"max_bytes", bytes.size(), limits.max_bytes});
-  }
-  const auto header = parse_ply_header(as_text(bytes), limits);
-  if (!header.ok()) return header.status();
+  RETURN_IF_ERROR(check_bytes("PLY file: ", bytes.size(), limits));
+  ASSIGN_OR_RETURN(const PlyHeader header, parse_ply_header(as_text(bytes), limits));
   LabelledCloud out;
-  if (auto status = read_body(*header, bytes.subspan(header->body_offset), out); !status.ok()) return status;
+  RETURN_IF_ERROR(read_body(header, bytes.subspan(header.body_offset), out));
   out.cloud.view = view.value_or(View::world());
-  out.view_rule = !view                             ? "WORLD without a sensor: PLY does not tell"
-                  : view->kind == ViewKind::kCamera ? "CAMERA, as asked for"
-                                                    : "WORLD, as asked for";
+  out.view_rule = view ? given_view_rule(*view) : "WORLD without a sensor, because PLY does not tell where it is";
   return out;
 }
 

@@ -6,6 +6,9 @@
 #include <limits>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "segserve/codec/ply.hpp"
 
@@ -14,9 +17,11 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
+constexpr std::string_view kPrefix = "PLY header: ";
+
 template <typename... Args>
 absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
-  return absl::InvalidArgumentError("PLY header: " + fmt::format(format, std::forward<Args>(args)...));
+  return absl::InvalidArgumentError(std::string(kPrefix) + fmt::format(format, std::forward<Args>(args)...));
 }
 
 std::optional<ScalarType> scalar_type(std::string_view name) {
@@ -53,7 +58,7 @@ absl::Status read_format(const Words& words, std::size_t line, PlyHeader& header
   } else if (words[1] == "binary_big_endian") {
     header.format = PlyFormat::kBigEndian;
   } else {
-    return fault("format in line {} is {}; known are ascii, binary_little_endian and binary_big_endian", line,
+    return fault("format in line {} is {}; it must be ascii, binary_little_endian or binary_big_endian", line,
                  quoted(words[1]));
   }
   return absl::OkStatus();
@@ -97,7 +102,7 @@ absl::Status read_line(const Words& words, std::size_t line, PlyHeader& header) 
 
 absl::Status split_header(std::string_view file, PlyHeader& header) {
   LineReader lines(file);
-  lines.next();  // the magic word
+  lines.next();  // This line is the magic word.
   bool has_format = false;
   while (const auto line = lines.next()) {
     const Words words = split_words(line->text);
@@ -108,15 +113,16 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
       header.body_line = line->number + 1;
       return has_format ? absl::OkStatus() : fault("it has no line 'format'");
     }
-    if (words[0] == "format" && has_format) return fault("'format' is there twice, again in line {}", line->number);
+    if (words[0] == "format" && has_format) return fault("'format' occurs twice, again in line {}", line->number);
     has_format = has_format || words[0] == "format";
-    if (auto status = read_line(words, line->number, header); !status.ok()) return status;
+    RETURN_IF_ERROR(read_line(words, line->number, header));
   }
   return fault("it ends without a line 'end_header'");
 }
 
-/// Colors are 0 to 255; a float might mean 0 to 1 as well, and nothing in the file tells.
-absl::Status check_roles(const PlyElement& vertex, const Roles& roles) {
+/// Checks the types of the properties. Floats are refused as colors, because nothing in the file tells whether they go
+/// to 1 or to 255.
+absl::Status check_roles(const PlyElement& vertex, const FieldRoles& roles) {
   for (const std::size_t i : roles.fields()) {
     if (vertex.properties[i].length_type) return fault("property '{}' must not be a list", vertex.properties[i].name);
   }
@@ -132,26 +138,27 @@ absl::Status check_roles(const PlyElement& vertex, const Roles& roles) {
   return absl::OkStatus();
 }
 
-absl::Status assign_roles(PlyHeader& header) {
-  const PlyElement& vertex = header.elements[header.vertex];
+absl::StatusOr<FieldRoles> find_roles(const PlyElement& vertex) {
   Words names;
   for (const PlyProperty& property : vertex.properties) names.emplace_back(property.name);
-  const auto in_vertex = [](const absl::Status& s) { return fault("property {}", std::string(s.message())); };
-  const auto position = find_three(names, {"x", "y", "z"});
-  if (!position.ok()) return in_vertex(position.status());
-  if (!*position) return fault("element 'vertex' must have the properties x, y and z");
-  header.roles.position = **position;
-  for (const std::array<std::string_view, 3>& wanted :
-       {std::array<std::string_view, 3>{"red", "green", "blue"}, {"diffuse_red", "diffuse_green", "diffuse_blue"}}) {
-    const auto channels = find_three(names, wanted);
-    if (!channels.ok()) return in_vertex(channels.status());
-    if (!header.roles.channels) header.roles.channels = *channels;
-  }
-  for (const std::string_view wanted : {"label", "scalar_Label"}) {
-    const auto label = find_unique(names, wanted);
-    if (!label.ok()) return in_vertex(label.status());
-    if (!header.roles.label) header.roles.label = *label;
-  }
+  ASSIGN_OR_RETURN(const auto position, find_triple(names, {"x", "y", "z"}));
+  if (!position) return absl::InvalidArgumentError("x, y and z must be there");
+  ASSIGN_OR_RETURN(const auto channels, find_triple(names, {"red", "green", "blue"}));
+  ASSIGN_OR_RETURN(const auto diffuse, find_triple(names, {"diffuse_red", "diffuse_green", "diffuse_blue"}));
+  ASSIGN_OR_RETURN(const auto label, find_unique(names, "label"));
+  ASSIGN_OR_RETURN(const auto scalar_label, find_unique(names, "scalar_Label"));
+  FieldRoles roles;
+  roles.position = *position;
+  roles.channels = channels ? channels : diffuse;
+  roles.label = label ? label : scalar_label;
+  return roles;
+}
+
+absl::Status assign_roles(PlyHeader& header) {
+  const PlyElement& vertex = header.elements[header.vertex];
+  auto roles = find_roles(vertex);
+  if (!roles.ok()) return with_prefix("PLY header: properties of 'vertex'", roles.status());
+  header.roles = *std::move(roles);
   return check_roles(vertex, header.roles);
 }
 
@@ -159,16 +166,12 @@ absl::Status find_vertex(const DecodeLimits& limits, PlyHeader& header) {
   Words names;
   for (const PlyElement& element : header.elements) names.emplace_back(element.name);
   const auto vertex = find_unique(names, "vertex");
-  if (!vertex.ok()) return fault("element {}", std::string(vertex.status().message()));
+  if (!vertex.ok()) return with_prefix("PLY header: elements", vertex.status());
   if (!*vertex) return fault("it has no element 'vertex'");
   header.vertex = **vertex;
   const std::uint64_t points = header.elements[header.vertex].rows;
-  if (points > limits.max_points) {
-    return over_limit(
-        fmt::format("PLY header: element vertex {} exceeds the limit of {} points", points, limits.max_points),
-        {"max_points", points, limits.max_points});
-  }
-  if (points > std::numeric_limits<std::uint32_t>::max()) {  // the width of the cloud
+  RETURN_IF_ERROR(check_points(kPrefix, points, limits));
+  if (points > std::numeric_limits<std::uint32_t>::max()) {  // The number becomes the width of the cloud.
     return fault("element vertex {} does not fit into 32 bits", points);
   }
   return absl::OkStatus();
@@ -187,9 +190,9 @@ bool is_ply(std::string_view file) { return file.starts_with("ply\n") || file.st
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view file, const DecodeLimits& limits) {
   if (!is_ply(file)) return absl::InvalidArgumentError("not a PLY file: its first line is not 'ply'");
   PlyHeader header;
-  if (auto status = split_header(file, header); !status.ok()) return status;
-  if (auto status = find_vertex(limits, header); !status.ok()) return status;
-  if (auto status = assign_roles(header); !status.ok()) return status;
+  RETURN_IF_ERROR(split_header(file, header));
+  RETURN_IF_ERROR(find_vertex(limits, header));
+  RETURN_IF_ERROR(assign_roles(header));
   return header;
 }
 

@@ -15,34 +15,38 @@
 
 namespace segserve::codec {
 
+/// The formats that can be read.
 enum class PlyFormat : std::uint8_t { kAscii, kLittleEndian, kBigEndian };
 
+/// A property of an element: a number, or a list of numbers.
 struct PlyProperty {
   std::string name;
-  ScalarType type = ScalarType::kFloat32;  ///< of a list: of its entries
-  std::optional<ScalarType> length_type;   ///< lists only: an integer
+  ScalarType type = ScalarType::kFloat32;  ///< type of the number, or of the numbers of the list
+  std::optional<ScalarType> length_type;   ///< the integer type of a list's length; unset for a number
 };
 
+/// An element: a table with a row for each vertex, face or other thing.
 struct PlyElement {
   std::string name;
   std::uint64_t rows = 0;
   std::vector<PlyProperty> properties;
 
-  /// The fewest bytes of a row in a binary body: all its lists are empty.
+  /// The fewest bytes that a row takes in a binary body, which are those of a row whose lists are empty.
   std::size_t least_row_bytes() const;
 };
 
-/// What a PLY header says, checked for itself and against the limits; not yet against the body.
+/// The content of a PLY header. It agrees with itself and with the limits, but has not been compared with the body.
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
   std::size_t vertex = 0;       ///< index of the element `vertex`
-  Roles roles;                  ///< indices into its properties
-  std::size_t body_offset = 0;  ///< bytes from the begin of the file
-  std::size_t body_line = 1;    ///< number of the body's first line
+  FieldRoles roles;             ///< indices into the properties of `vertex`
+  std::size_t body_offset = 0;  ///< bytes from the beginning of the file
+  std::size_t body_line = 1;    ///< number of the body's first line, counted from 1
 };
 
-/// INVALID_ARGUMENT with the line and the fault.
+/// Parses the header at the beginning of a PLY file. INVALID_ARGUMENT that names the line and the fault, or the
+/// exceeded limit.
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view file, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

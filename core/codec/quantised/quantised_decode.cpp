@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/finite_point_mask.hpp"
 #include "core/codec/common/zstd_block.hpp"
@@ -15,10 +16,10 @@ namespace {
 
 using Bytes = const std::uint8_t*;
 
-/// Coordinate k of one axis: the middle of its cell.
+/// Calls put(k, coordinate) for the `count` finite points, along one axis. A coordinate is the middle of its cell.
 template <unsigned kPlanes, typename Put>
 void read_axis(Bytes planes, std::size_t count, double step, StopCheck& check, Put put) {
-  std::uint32_t cell = 0;  // wraps around in broken bytes, which is no harm
+  std::uint32_t cell = 0;  // Damaged bytes may let it wrap around, which does no harm.
   check.for_each(0, count, [&](std::size_t k) {
     std::uint32_t zigzag = 0;
     for (unsigned plane = 0; plane < kPlanes; ++plane) zigzag |= std::uint32_t{planes[plane * count + k]} << 8 * plane;
@@ -41,7 +42,7 @@ void read_axis(unsigned plane_count, Bytes planes, std::size_t count, double ste
   }
 }
 
-/// The three color planes, interleaved again.
+/// Calls put(k, color) for the `count` finite points.
 template <typename Put>
 void read_colors(Bytes planes, std::size_t count, StopCheck& check, Put put) {
   std::uint8_t r = 0;
@@ -55,7 +56,7 @@ void read_colors(Bytes planes, std::size_t count, StopCheck& check, Put put) {
   });
 }
 
-/// `at(k)` is the index of finite point k.
+/// Reads the planes of all finite points. at(k) is the index of finite point k.
 template <typename At>
 void read_points(const QuantisedHeader& header, Bytes planes, At at, StopCheck& check, Cloud& cloud) {
   const std::array<float*, 3> axes{cloud.x.data(), cloud.y.data(), cloud.z.data()};
@@ -69,40 +70,38 @@ void read_points(const QuantisedHeader& header, Bytes planes, At at, StopCheck& 
               [out = cloud.rgb.data(), at](std::size_t k, std::uint32_t rgb) { out[at(k)] = rgb; });
 }
 
+/// Reads the content of the zstd frame, which has header.body_bytes() bytes, into a cloud of points at NaN.
+absl::Status read_body(const QuantisedHeader& header, std::string_view body, const StopToken& stop, Cloud& cloud) {
+  if (header.finite == 0 && !header.has_bitmap()) return absl::OkStatus();
+  StopCheck check(stop);
+  const auto* planes = reinterpret_cast<Bytes>(body.data()) + header.bitmap_bytes();
+  if (!header.has_bitmap()) {
+    const auto at = [](std::size_t k) { return k; };
+    read_points(header, planes, at, check, cloud);
+    return check.status();
+  }
+  const auto finite = read_bitmap(body.substr(0, header.bitmap_bytes()), header.points(), header.finite, check);
+  if (check.stopped()) return check.status();
+  if (!finite) {
+    return absl::InvalidArgumentError(
+        fmt::format("quantised cloud: the bitmap does not mark {} of {} points", header.finite, header.points()));
+  }
+  if (finite->empty()) return absl::OkStatus();
+  const auto at = [indices = finite->data()](std::size_t k) { return indices[k]; };
+  read_points(header, planes, at, check, cloud);
+  return check.status();
+}
+
 }  // namespace
 
 absl::StatusOr<QuantisedCloud> decode_quantised(std::string_view bytes, const View& view, const DecodeLimits& limits,
                                                 const StopToken& stop) {
-  const absl::StatusOr<QuantisedHeader> header = decode_header(bytes, limits);
-  if (!header.ok()) return header.status();
-  const absl::StatusOr<std::string> body =
-      zstd_decompress(bytes.substr(QuantisedHeader::kBytes), header->body_bytes(), limits);
-  if (!body.ok()) return body.status();
-  if (absl::Status status = stop.check(); !status.ok()) return status;
-
-  const auto* data = reinterpret_cast<Bytes>(body->data());
-  QuantisedCloud decoded{cloud_of_nothing(header->width, header->height, header->has_color, view), header->error_bound};
-  StopCheck check(stop);
-  if (!header->has_bitmap()) {
-    if (header->finite > 0) {
-      read_points(
-          *header, data, [](std::size_t k) { return k; }, check, decoded.cloud);
-    }
-    if (check.stopped()) return stop.check();
-    return decoded;
-  }
-  const auto finite =
-      read_bitmap(std::string_view(*body).substr(0, header->bitmap_bytes()), header->points(), header->finite, check);
-  if (check.stopped()) return stop.check();
-  if (!finite) {
-    return absl::InvalidArgumentError(
-        fmt::format("quantised cloud: the bitmap does not have {} of {} points", header->finite, header->points()));
-  }
-  if (finite->empty()) return decoded;
-  read_points(
-      *header, data + header->bitmap_bytes(), [at = finite->data()](std::size_t k) { return at[k]; }, check,
-      decoded.cloud);
-  if (check.stopped()) return stop.check();
+  ASSIGN_OR_RETURN(const QuantisedHeader header, decode_header(bytes, limits));
+  ASSIGN_OR_RETURN(const std::string body,
+                   zstd_decompress(bytes.substr(QuantisedHeader::kBytes), header.body_bytes(), limits));
+  RETURN_IF_ERROR(stop.check());
+  QuantisedCloud decoded{make_nan_cloud(header.width, header.height, header.has_color, view), header.error_bound};
+  RETURN_IF_ERROR(read_body(header, body, stop, decoded.cloud));
   return decoded;
 }
 

@@ -3,20 +3,19 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-
+#include "core/base/status_macros.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "segserve/codec/quantised.hpp"
 
 namespace segserve::codec {
 namespace {
 
+constexpr std::string_view kPrefix = "quantised cloud: ";
 constexpr std::string_view kMagic = "SEGQ";
 constexpr std::uint16_t kVersion = 1;
 constexpr std::uint8_t kColorFlag = 1;
-constexpr std::uint64_t kPointBytes = 15;  // of a decoded point: 3 floats and a color
+constexpr std::uint64_t kPointBytes = 15;  // A decoded point has 3 floats and 3 bytes of color.
 constexpr std::size_t kColorChannels = 3;
 
 template <typename T>
@@ -30,16 +29,16 @@ void append(std::string& bytes, T value) {
 }
 
 absl::Status fault(std::string_view message) {
-  return absl::InvalidArgumentError(fmt::format("quantised cloud: {}", message));
+  return absl::InvalidArgumentError(fmt::format("{}{}", kPrefix, message));
 }
 
 absl::Status check_identity(std::string_view bytes) {
   if (!bytes.starts_with(kMagic)) return fault("it does not begin with SEGQ");
   if (bytes.size() < QuantisedHeader::kBytes) {
-    return fault(fmt::format("{} bytes are there; the header alone has {}", bytes.size(), QuantisedHeader::kBytes));
+    return fault(fmt::format("it has {} bytes, but the header alone has {}", bytes.size(), QuantisedHeader::kBytes));
   }
   if (const auto version = load_at<std::uint16_t>(bytes, 4); version != kVersion) {
-    return fault(fmt::format("version {}; only {} is known", version, kVersion));
+    return fault(fmt::format("it has version {}, but only {} can be read", version, kVersion));
   }
   const auto flags = load_at<std::uint8_t>(bytes, 6);
   const auto reserved = load_at<std::uint8_t>(bytes, 7) | load_at<std::uint8_t>(bytes, 23);
@@ -53,41 +52,27 @@ absl::Status check_scale(const QuantisedHeader& header) {
         fmt::format("an error bound of {} m is not in [{}, {}] m", header.error_bound, kMinErrorBound, kMaxErrorBound));
   }
   if (!(header.step >= header.error_bound && header.step <= 2 * header.error_bound)) {
-    return fault(fmt::format("a step of {} m does not suit the error bound of {} m: it must be once to twice that",
-                             header.step, header.error_bound));
+    return fault(
+        fmt::format("a step of {} m is not once to twice the error bound of {} m", header.step, header.error_bound));
   }
   return absl::OkStatus();
 }
 
 absl::Status check_counts(const QuantisedHeader& header, const DecodeLimits& limits) {
   const std::uint64_t points = std::uint64_t{header.width} * header.height;
-  if (points > limits.max_points) {
-    return over_limit(
-        fmt::format("quantised cloud: {} points exceed the limit of {} points", points, limits.max_points),
-        {"max_points", points, limits.max_points});
-  }
-  // max_points may be anything, so the products are made only after this.
-  if (points > limits.max_bytes / kPointBytes) {
-    return over_limit(
-        fmt::format("quantised cloud: {} points of {} bytes exceed the limit of {} bytes", points, kPointBytes,
-                    limits.max_bytes),
-        {"max_bytes", points > UINT64_MAX / kPointBytes ? UINT64_MAX : points * kPointBytes, limits.max_bytes});
-  }
+  RETURN_IF_ERROR(check_points(kPrefix, points, limits));
+  // max_points may be any number. Only after this check the products below, body_bytes included, cannot overflow.
+  RETURN_IF_ERROR(check_decoded_points(kPrefix, points, kPointBytes, limits));
   if (header.finite > points) {
     return fault(fmt::format("{} finite points are more than {} x {}", header.finite, header.width, header.height));
   }
   for (const std::uint8_t planes : header.planes) {
     if (header.finite == 0 ? planes != 0 : planes < 1 || planes > 4) {
       return fault(
-          fmt::format("{} byte planes of a coordinate; 1 to 4 are possible, 0 without any finite point", planes));
+          fmt::format("a coordinate has {} byte planes, but must have 1 to 4, or 0 if no point is finite", planes));
     }
   }
-  if (header.body_bytes() > limits.max_bytes) {
-    return over_limit(fmt::format("quantised cloud: {} bytes decompressed exceed the limit of {} bytes",
-                                  header.body_bytes(), limits.max_bytes),
-                      {"max_bytes", header.body_bytes(), limits.max_bytes});
-  }
-  return absl::OkStatus();
+  return check_bytes("quantised cloud: its decompressed ", header.body_bytes(), limits);
 }
 
 }  // namespace
@@ -113,7 +98,7 @@ std::string encode_header(const QuantisedHeader& header) {
 }
 
 absl::StatusOr<QuantisedHeader> decode_header(std::string_view bytes, const DecodeLimits& limits) {
-  if (absl::Status status = check_identity(bytes); !status.ok()) return status;
+  RETURN_IF_ERROR(check_identity(bytes));
   QuantisedHeader header;
   header.has_color = (load_at<std::uint8_t>(bytes, 6) & kColorFlag) != 0;
   header.width = load_at<std::uint32_t>(bytes, 8);
@@ -122,8 +107,8 @@ absl::StatusOr<QuantisedHeader> decode_header(std::string_view bytes, const Deco
   for (std::size_t axis = 0; axis < 3; ++axis) header.planes[axis] = load_at<std::uint8_t>(bytes, 20 + axis);
   header.step = load_at<double>(bytes, 24);
   header.error_bound = load_at<double>(bytes, 32);
-  if (absl::Status status = check_scale(header); !status.ok()) return status;
-  if (absl::Status status = check_counts(header, limits); !status.ok()) return status;
+  RETURN_IF_ERROR(check_scale(header));
+  RETURN_IF_ERROR(check_counts(header, limits));
   return header;
 }
 

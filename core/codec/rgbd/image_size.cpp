@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include "core/codec/common/limit_checks.hpp"
 
 namespace segserve::codec {
 
@@ -15,11 +15,9 @@ absl::Status check_image_size(const ImageSize& size, std::uint64_t bytes_per_pix
         {"max_points", pixels, limits.max_points});
   }
   if (pixels > limits.max_bytes / bytes_per_pixel) {
-    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
-    const std::uint64_t bytes = pixels > kMost / bytes_per_pixel ? kMost : pixels * bytes_per_pixel;
     return over_limit(fmt::format("{} x {} pixels of {} bytes exceed the limit of {} bytes", size.width, size.height,
                                   bytes_per_pixel, limits.max_bytes),
-                      {"max_bytes", bytes, limits.max_bytes});
+                      {"max_bytes", saturating_product(pixels, bytes_per_pixel), limits.max_bytes});
   }
   return absl::OkStatus();
 }

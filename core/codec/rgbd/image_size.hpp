@@ -8,7 +8,7 @@
 
 namespace segserve::codec {
 
-/// What an image says of its size before it is decoded.
+/// The size that an image file claims, in pixels.
 struct ImageSize {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -17,8 +17,8 @@ struct ImageSize {
   bool operator==(const ImageSize&) const = default;
 };
 
-/// INVALID_ARGUMENT if it has more pixels than `limits.max_points`, or more bytes of `bytes_per_pixel` than
-/// `limits.max_bytes`.
+/// Checks the pixels against `limits.max_points`, and their bytes against `limits.max_bytes`. INVALID_ARGUMENT, as
+/// over_limit makes it, if a limit is exceeded.
 absl::Status check_image_size(const ImageSize& size, std::uint64_t bytes_per_pixel, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

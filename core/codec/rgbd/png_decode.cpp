@@ -7,6 +7,7 @@
 #include <csetjmp>
 #include <cstring>
 
+#include "core/base/status_macros.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "core/codec/rgbd/png_image.hpp"
 
@@ -14,14 +15,15 @@ namespace segserve::codec {
 namespace {
 
 constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-/// Signature, length and name of IHDR, its 13 bytes.
+/// The signature, the length and the name of IHDR, and its 13 bytes.
 constexpr std::size_t kHeaderBytes = 8 + 4 + 4 + 13;
 constexpr std::uint32_t kMaxSide = 0x7fffffff;
-/// Of an ancillary chunk: we need none of them.
+/// The most memory that libpng allocates for an ancillary chunk. The decoders need none of these chunks.
 constexpr png_alloc_size_t kMaxChunkBytes = std::size_t{1} << 20U;
 
 absl::Status fault(std::string_view message) { return absl::InvalidArgumentError(fmt::format("PNG: {}", message)); }
 
+/// The claims of the first chunk (IHDR).
 struct PngHeader {
   ImageSize size;
   unsigned bit_depth = 0;
@@ -39,17 +41,17 @@ absl::StatusOr<PngHeader> read_header(std::string_view bytes) {
   header.color_type = load<std::uint8_t>(ihdr + 9);
   const auto [width, height] = header.size;
   if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide) {
-    return fault(fmt::format("{} x {} pixels are no size of an image", width, height));
+    return fault(fmt::format("{} x {} pixels are not the size of an image", width, height));
   }
   return header;
 }
 
-/// What libpng's callbacks know. Its error function jumps over frames, so nothing between it and setjmp may have a
+/// The state of libpng's callbacks. keep_error jumps over stack frames, so nothing between it and setjmp may have a
 /// destructor.
 struct Source {
-  const char* at;
-  std::size_t left;
-  std::array<char, 160> error;
+  const char* at;               ///< the next byte
+  std::size_t left;             ///< bytes from `at` on
+  std::array<char, 160> error;  ///< the message of the last error
 };
 
 void read_bytes(png_structp png, png_bytep out, std::size_t size) {
@@ -68,11 +70,12 @@ void read_bytes(png_structp png, png_bytep out, std::size_t size) {
 
 void ignore_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
+/// The pixels that are decoded: gray of 16 bits, or R, G, B of 8 bits.
 enum class Format : std::uint8_t { kGray16, kColor };
 
 void set_transforms(png_structp png, Format format) {
   if (format == Format::kGray16) {
-    png_set_swap(png);  // to little endian
+    png_set_swap(png);  // PNG is big endian.
     return;
   }
   png_set_expand(png);
@@ -81,8 +84,8 @@ void set_transforms(png_structp png, Format format) {
   png_set_gray_to_rgb(png);
 }
 
-/// Decodes into `out`, which has room for `height` rows of `row_bytes`. False with source.error set if it cannot be
-/// done.
+/// Decodes into `out`, which has space for `height` rows of `row_bytes`. Returns false, with source.error set, if that
+/// fails.
 bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_t row_bytes, png_bytep out) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, keep_error, ignore_warning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
@@ -91,7 +94,7 @@ bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_
     std::strncpy(source.error.data(), "out of memory", source.error.size() - 1);
     return false;
   }
-  if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT(cert-err52-cpp): libpng's way to tell errors
+  if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT(cert-err52-cpp): libpng reports errors so.
     png_destroy_read_struct(&png, &info, nullptr);
     return false;
   }
@@ -103,7 +106,7 @@ bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_
   set_transforms(png, format);
   const int passes = png_set_interlace_handling(png);
   png_read_update_info(png, info);
-  if (png_get_rowbytes(png, info) != row_bytes) png_error(png, "its rows have another size than its header says");
+  if (png_get_rowbytes(png, info) != row_bytes) png_error(png, "its rows have another size than its header claims");
   for (int pass = 0; pass < passes; ++pass) {
     for (std::uint32_t row = 0; row < height; ++row) png_read_row(png, out + row * row_bytes, nullptr);
   }
@@ -112,6 +115,7 @@ bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_
   return true;
 }
 
+/// Decodes the pixels to `out`, which has space for size.height rows of `row_bytes`.
 absl::Status decode(std::string_view bytes, Format format, const ImageSize& size, std::size_t row_bytes, void* out) {
   Source source{bytes.data(), bytes.size(), {}};
   if (decode_rows(source, format, size.height, row_bytes, static_cast<png_bytep>(out))) return absl::OkStatus();
@@ -123,34 +127,29 @@ absl::Status decode(std::string_view bytes, Format format, const ImageSize& size
 bool is_png(std::string_view bytes) { return bytes.starts_with(kSignature); }
 
 absl::StatusOr<ImageSize> png_size(std::string_view bytes) {
-  const auto header = read_header(bytes);
-  if (!header.ok()) return header.status();
-  return header->size;
+  ASSIGN_OR_RETURN(const PngHeader header, read_header(bytes));
+  return header.size;
 }
 
 absl::StatusOr<GrayImage> decode_png_gray16(std::string_view bytes, const DecodeLimits& limits) {
-  const auto header = read_header(bytes);
-  if (!header.ok()) return header.status();
-  if (header->color_type != PNG_COLOR_TYPE_GRAY || header->bit_depth != 16) {
-    return fault(fmt::format("color type {} with {} bits; needed is gray (0) with 16 bits", header->color_type,
-                             header->bit_depth));
+  ASSIGN_OR_RETURN(const PngHeader header, read_header(bytes));
+  if (header.color_type != PNG_COLOR_TYPE_GRAY || header.bit_depth != 16) {
+    return fault(fmt::format("it has color type {} with {} bits, but must be gray (0) with 16 bits", header.color_type,
+                             header.bit_depth));
   }
   constexpr std::size_t kPixelBytes = sizeof(std::uint16_t);
-  if (absl::Status status = check_image_size(header->size, kPixelBytes, limits); !status.ok()) return status;
-  GrayImage image{header->size, std::vector<std::uint16_t>(header->size.pixels())};
-  absl::Status status = decode(bytes, Format::kGray16, image.size, image.size.width * kPixelBytes, image.pixels.data());
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(check_image_size(header.size, kPixelBytes, limits));
+  GrayImage image{header.size, std::vector<std::uint16_t>(header.size.pixels())};
+  RETURN_IF_ERROR(decode(bytes, Format::kGray16, image.size, image.size.width * kPixelBytes, image.pixels.data()));
   return image;
 }
 
 absl::StatusOr<ColorImage> decode_png_color(std::string_view bytes, const DecodeLimits& limits) {
-  const auto header = read_header(bytes);
-  if (!header.ok()) return header.status();
+  ASSIGN_OR_RETURN(const PngHeader header, read_header(bytes));
   constexpr std::size_t kPixelBytes = 3;
-  if (absl::Status status = check_image_size(header->size, kPixelBytes, limits); !status.ok()) return status;
-  ColorImage image{header->size, std::vector<std::uint8_t>(kPixelBytes * header->size.pixels())};
-  absl::Status status = decode(bytes, Format::kColor, image.size, image.size.width * kPixelBytes, image.rgb.data());
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(check_image_size(header.size, kPixelBytes, limits));
+  ColorImage image{header.size, std::vector<std::uint8_t>(kPixelBytes * header.size.pixels())};
+  RETURN_IF_ERROR(decode(bytes, Format::kColor, image.size, image.size.width * kPixelBytes, image.rgb.data()));
   return image;
 }
 

@@ -10,15 +10,16 @@
 namespace segserve::codec {
 namespace {
 
-// What is fast and still small for depth: most of the gain comes from the filter.
+// The lowest level is enough, because most of what compression gains on depth comes from the filter.
 constexpr int kCompressionLevel = 1;
 constexpr int kFilter = PNG_FILTER_SUB;
 
+/// Returns false if there is no memory.
 bool append(std::string& out, png_bytep data, std::size_t size) {
   try {
     out.append(reinterpret_cast<const char*>(data), size);
     return true;
-  } catch (const std::exception&) {  // may not pass through libpng's frames
+  } catch (const std::exception&) {  // An exception must not pass through libpng's stack frames.
     return false;
   }
 }
@@ -29,18 +30,19 @@ void write_bytes(png_structp png, png_bytep data, std::size_t size) {
 
 void flush(png_structp /*png*/) {}
 
-[[noreturn]] void jump(png_structp png, png_const_charp /*message*/) { png_longjmp(png, 1); }
+[[noreturn]] void jump_on_error(png_structp png, png_const_charp /*message*/) { png_longjmp(png, 1); }
 void ignore_warning(png_structp /*png*/, png_const_charp /*message*/) {}
 
-/// Nothing in here has a destructor: libpng's errors jump out of it.
+/// Writes the image to `out`, or returns false. Nothing in here may have a destructor, because libpng's errors jump out
+/// of it.
 bool write_rows(std::string& out, const ImageSize& size, const std::uint16_t* pixels) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, jump, ignore_warning);
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, jump_on_error, ignore_warning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
   if (info == nullptr) {
     png_destroy_write_struct(&png, nullptr);
     return false;
   }
-  if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT(cert-err52-cpp): libpng's way to tell errors
+  if (setjmp(png_jmpbuf(png)) != 0) {  // NOLINT(cert-err52-cpp): libpng reports errors so.
     png_destroy_write_struct(&png, &info);
     return false;
   }
@@ -50,7 +52,7 @@ bool write_rows(std::string& out, const ImageSize& size, const std::uint16_t* pi
   png_set_compression_level(png, kCompressionLevel);
   png_set_filter(png, 0, kFilter);
   png_write_info(png, info);
-  png_set_swap(png);  // from little endian
+  png_set_swap(png);  // PNG is big endian.
   for (std::uint32_t row = 0; row < size.height; ++row) {
     png_write_row(png, reinterpret_cast<png_const_bytep>(pixels + std::size_t{row} * size.width));
   }

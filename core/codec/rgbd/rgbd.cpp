@@ -10,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "absl/strings/cord.h"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/codec/rgbd/image_size.hpp"
 #include "core/codec/rgbd/jpeg_image.hpp"
@@ -19,20 +20,19 @@
 namespace segserve::codec {
 namespace {
 
-/// Of a decoded point: 3 floats and a color.
-constexpr std::uint64_t kPointBytes = 16;
+constexpr std::uint64_t kPointBytes = 16;  // A decoded point has 3 floats and a color.
 
-/// The same status, its message with the image's name in front.
-absl::Status in_image(std::string_view name, const absl::Status& status) {
-  absl::Status out(status.code(), fmt::format("{}: {}", name, std::string(status.message())));
-  status.ForEachPayload([&](auto key, const absl::Cord& payload) { out.SetPayload(key, payload); });
-  return out;
+/// Decodes the depth image. Its size is also compared with the limits as that of the cloud that it becomes.
+absl::StatusOr<GrayImage> decode_depth(std::string_view bytes, const DecodeLimits& limits) {
+  ASSIGN_OR_RETURN(const ImageSize size, png_size(bytes));
+  RETURN_IF_ERROR(check_image_size(size, kPointBytes, limits));
+  return decode_png_gray16(bytes, limits);
 }
 
 absl::StatusOr<ColorImage> decode_color(std::string_view bytes, const DecodeLimits& limits) {
   if (is_png(bytes)) return decode_png_color(bytes, limits);
   if (is_jpeg(bytes)) return decode_jpeg(bytes, limits);
-  return absl::InvalidArgumentError("neither PNG nor JPEG");
+  return absl::InvalidArgumentError("the bytes are neither PNG nor JPEG");
 }
 
 void read_colors(const ColorImage& image, StopCheck& check, std::vector<std::uint32_t>& out) {
@@ -43,6 +43,7 @@ void read_colors(const ColorImage& image, StopCheck& check, std::vector<std::uin
   });
 }
 
+/// The points of the pixels, by the equations of decode_rgbd.
 Cloud to_cloud(const GrayImage& depth, double scale, const Intrinsics& camera, StopCheck& check) {
   const auto [width, height] = depth.size;
   Cloud cloud;
@@ -50,15 +51,15 @@ Cloud to_cloud(const GrayImage& depth, double scale, const Intrinsics& camera, S
   cloud.width = width;
   cloud.height = height;
   cloud.view = View::camera();
-  std::vector<double> right(width);
-  for (std::uint32_t u = 0; u < width; ++u) right[u] = (u - camera.cx) / camera.fx;
+  std::vector<double> x_per_z(width);
+  for (std::uint32_t u = 0; u < width; ++u) x_per_z[u] = (u - camera.cx) / camera.fx;
   std::size_t i = 0;
   for (std::uint32_t v = 0; v < height && !check.after(width); ++v) {
-    const double down = (v - camera.cy) / camera.fy;
+    const double y_per_z = (v - camera.cy) / camera.fy;
     for (std::uint32_t u = 0; u < width; ++u, ++i) {
       const double z = depth.pixels[i] != 0 ? depth.pixels[i] * scale : std::numeric_limits<double>::quiet_NaN();
-      cloud.x[i] = static_cast<float>(right[u] * z);
-      cloud.y[i] = static_cast<float>(down * z);
+      cloud.x[i] = static_cast<float>(x_per_z[u] * z);
+      cloud.y[i] = static_cast<float>(y_per_z * z);
       cloud.z[i] = static_cast<float>(z);
     }
   }
@@ -88,29 +89,24 @@ absl::Status check_depth_scale(double depth_scale) {
 }
 
 absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits, const StopToken& stop) {
-  if (absl::Status status = check_intrinsics(images.intrinsics); !status.ok()) return status;
-  if (absl::Status status = check_depth_scale(images.depth_scale); !status.ok()) return status;
-  const auto size = png_size(images.depth);
-  if (!size.ok()) return in_image("depth", size.status());
-  if (absl::Status status = check_image_size(*size, kPointBytes, limits); !status.ok())
-    return in_image("depth", status);
-
-  const auto depth = decode_png_gray16(images.depth, limits);
-  if (!depth.ok()) return in_image("depth", depth.status());
+  RETURN_IF_ERROR(check_intrinsics(images.intrinsics));
+  RETURN_IF_ERROR(check_depth_scale(images.depth_scale));
+  const auto depth = decode_depth(images.depth, limits);
+  if (!depth.ok()) return with_prefix("depth", depth.status());
   StopCheck check(stop);
   Cloud cloud = to_cloud(*depth, images.depth_scale, images.intrinsics, check);
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  RETURN_IF_ERROR(check.status());
   if (images.color.empty()) return cloud;
 
   const auto color = decode_color(images.color, limits);
-  if (!color.ok()) return in_image("color", color.status());
+  if (!color.ok()) return with_prefix("color", color.status());
   if (color->size != depth->size) {
-    return absl::InvalidArgumentError(fmt::format("the color image has {} x {} pixels, the depth image {} x {}",
+    return absl::InvalidArgumentError(fmt::format("the color image has {} x {} pixels, but the depth image has {} x {}",
                                                   color->size.width, color->size.height, depth->size.width,
                                                   depth->size.height));
   }
   read_colors(*color, check, cloud.rgb);
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  RETURN_IF_ERROR(check.status());
   return cloud;
 }
 

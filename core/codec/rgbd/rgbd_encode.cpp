@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "core/codec/rgbd/image_size.hpp"
 #include "core/codec/rgbd/jpeg_image.hpp"
 #include "core/codec/rgbd/png_image.hpp"
@@ -17,8 +18,8 @@
 namespace segserve::codec {
 namespace {
 
-constexpr double kMostDepth = 65535;
-constexpr double kMostDeviation = 0.5;  // pixels
+constexpr double kMaxDepth = 65535;    // units of depth: the largest 16-bit number
+constexpr double kMaxDeviation = 0.5;  // pixels
 
 absl::Status check_is_image(const CloudView& cloud) {
   if (cloud.view.kind == ViewKind::kCamera && cloud.height > 1) return absl::OkStatus();
@@ -39,8 +40,8 @@ void for_each_point(const CloudView& cloud, Function function) {
   }
 }
 
-/// Least squares of pixel = focal * slope + center.
-struct Line {
+/// Fits pixel = focal * slope + center to points, in the sense of least squares.
+struct LineFit {
   double count = 0, slope = 0, pixel = 0, slope_slope = 0, slope_pixel = 0;
 
   void add(double s, double p) {
@@ -50,34 +51,35 @@ struct Line {
     slope_slope += s * s;
     slope_pixel += s * p;
   }
-  /// Focal length and center; not finite if they are not determined.
+  /// The focal length and the center. They are not finite if the points do not determine them.
   std::pair<double, double> solve() const {
     const double focal = (count * slope_pixel - slope * pixel) / (count * slope_slope - slope * slope);
     return {focal, (pixel - focal * slope) / count};
   }
 };
 
-absl::Status beyond_depth(double z, double depth_scale) {
-  return absl::InvalidArgumentError(fmt::format(
-      "a point with z = {} m does not fit into 1 to {} units of depth of {} m", z, kMostDepth, depth_scale));
+absl::Status depth_out_of_range(double z, double depth_scale) {
+  return absl::InvalidArgumentError(
+      fmt::format("a point with z = {} m does not fit into 1 to {} units of depth of {} m", z, kMaxDepth, depth_scale));
 }
 
+/// The depth of each pixel, in units of depth; 0 where no point is finite.
 absl::StatusOr<std::vector<std::uint16_t>> depth_pixels(const CloudView& cloud, double depth_scale) {
   std::vector<std::uint16_t> pixels(cloud.size());
   absl::Status status;
   for_each_point(cloud, [&](std::uint32_t u, std::uint32_t v, double, double, double z) {
     const double units = std::max(1.0, std::floor(z / depth_scale + 0.5));
-    if (!(z > 0 && units <= kMostDepth)) {
-      if (status.ok()) status = beyond_depth(z, depth_scale);
+    if (!(z > 0 && units <= kMaxDepth)) {
+      if (status.ok()) status = depth_out_of_range(z, depth_scale);
       return;
     }
     pixels[std::size_t{v} * cloud.width + u] = static_cast<std::uint16_t>(units);
   });
-  if (!status.ok()) return status;
+  RETURN_IF_ERROR(status);
   return pixels;
 }
 
-/// The largest distance along an axis between a point and what its pixel will become.
+/// The largest distance along an axis between a point and the one that decode_rgbd will make from its pixel.
 double largest_error(const CloudView& cloud, const std::vector<std::uint16_t>& depth, const RgbdFiles& files) {
   const Intrinsics& camera = files.intrinsics;
   double largest = 0;
@@ -101,9 +103,9 @@ absl::StatusOr<std::string> encode_color(const CloudView& cloud, int quality) {
 }  // namespace
 
 absl::StatusOr<Intrinsics> estimate_intrinsics(const CloudView& cloud) {
-  if (absl::Status status = check_is_image(cloud); !status.ok()) return status;
-  Line columns;
-  Line rows;
+  RETURN_IF_ERROR(check_is_image(cloud));
+  LineFit columns;
+  LineFit rows;
   for_each_point(cloud, [&](std::uint32_t u, std::uint32_t v, double x, double y, double z) {
     columns.add(x / z, u);
     rows.add(y / z, v);
@@ -112,38 +114,36 @@ absl::StatusOr<Intrinsics> estimate_intrinsics(const CloudView& cloud) {
   std::tie(camera.fx, camera.cx) = columns.solve();
   std::tie(camera.fy, camera.cy) = rows.solve();
   if (!check_intrinsics(camera).ok()) {
-    return absl::InvalidArgumentError("the points do not tell the camera: they are too few, or no image of one");
+    return absl::InvalidArgumentError(
+        "the points do not determine the camera: they are too few, or not the image of one");
   }
   double deviation = 0;  // pixels
   for_each_point(cloud, [&](std::uint32_t u, std::uint32_t v, double x, double y, double z) {
     deviation =
         std::max({deviation, std::abs(camera.fx * x / z + camera.cx - u), std::abs(camera.fy * y / z + camera.cy - v)});
   });
-  if (deviation <= kMostDeviation) return camera;
-  return absl::InvalidArgumentError(
-      fmt::format("the points are no image of a pinhole camera: one is {:.3g} pixels away from its own", deviation));
+  if (deviation <= kMaxDeviation) return camera;
+  return absl::InvalidArgumentError(fmt::format(
+      "the points are not the image of a pinhole camera: one is {:.3g} pixels away from its own pixel", deviation));
 }
 
 absl::StatusOr<RgbdFiles> encode_rgbd(const CloudView& cloud, const RgbdOptions& options) {
-  if (absl::Status status = check_is_image(cloud); !status.ok()) return status;
-  if (absl::Status status = check_depth_scale(options.depth_scale); !status.ok()) return status;
-  const auto camera = options.intrinsics ? absl::StatusOr<Intrinsics>(*options.intrinsics) : estimate_intrinsics(cloud);
-  if (!camera.ok()) return camera.status();
-  if (absl::Status status = check_intrinsics(*camera); !status.ok()) return status;
-
+  RETURN_IF_ERROR(check_is_image(cloud));
+  RETURN_IF_ERROR(check_depth_scale(options.depth_scale));
   RgbdFiles files;
   files.depth_scale = options.depth_scale;
-  files.intrinsics = *camera;
-  const auto depth = depth_pixels(cloud, options.depth_scale);
-  if (!depth.ok()) return depth.status();
-  files.error_bound = largest_error(cloud, *depth, files);
-  absl::StatusOr<std::string> png = encode_png_gray16({cloud.width, cloud.height}, *depth);
-  if (!png.ok()) return png.status();
-  files.depth = *std::move(png);
+  if (options.intrinsics) {
+    RETURN_IF_ERROR(check_intrinsics(*options.intrinsics));
+    files.intrinsics = *options.intrinsics;
+  } else {
+    ASSIGN_OR_RETURN(files.intrinsics, estimate_intrinsics(cloud));
+  }
+  ASSIGN_OR_RETURN(const std::vector<std::uint16_t> depth, depth_pixels(cloud, options.depth_scale));
+  files.error_bound = largest_error(cloud, depth, files);
+  const ImageSize size{cloud.width, cloud.height};
+  ASSIGN_OR_RETURN(files.depth, encode_png_gray16(size, depth));
   if (!cloud.has_color()) return files;
-  absl::StatusOr<std::string> jpeg = encode_color(cloud, options.jpeg_quality);
-  if (!jpeg.ok()) return jpeg.status();
-  files.color = *std::move(jpeg);
+  ASSIGN_OR_RETURN(files.color, encode_color(cloud, options.jpeg_quality));
   return files;
 }
 

@@ -10,7 +10,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/scalar_type.hpp"
 
@@ -19,27 +21,32 @@ namespace {
 
 constexpr std::size_t kMaxFields = 64;
 
+/// Bytes of a number; 0 for a number of a datatype that does not exist.
 std::size_t size_of(PointDatatype type) {
   constexpr std::array<std::size_t, 9> kSizes{0, 1, 1, 2, 2, 4, 4, 4, 8};
   const auto index = static_cast<std::size_t>(type);
   return index < kSizes.size() ? kSizes[index] : 0;
 }
 
-/// Which fields mean something to us.
-struct FieldRoles {
-  std::array<const PointField*, 3> position{};
-  const PointField* packed = nullptr;
-  std::optional<std::array<const PointField*, 3>> channels;
+using FieldTriple = std::array<const PointField*, 3>;
+
+/// The fields of a layout that a cloud is made from.
+struct LayoutRoles {
+  FieldTriple position{};               ///< x, y, z
+  const PointField* packed = nullptr;   ///< color as 0xAARRGGBB, or null
+  std::optional<FieldTriple> channels;  ///< color as red, green and blue
+
+  bool has_color() const { return packed != nullptr || channels; }
 };
 
 absl::Status check_field(const PointField& field, std::uint32_t point_step) {
   const std::uint64_t size = size_of(field.datatype);
   if (size == 0) {
-    return absl::InvalidArgumentError(fmt::format("field '{}' has datatype {}; 1 (INT8) to 8 (FLOAT64) are possible",
+    return absl::InvalidArgumentError(fmt::format("field '{}' has datatype {}; it must be 1 (INT8) to 8 (FLOAT64)",
                                                   field.name, static_cast<int>(field.datatype)));
   }
   const std::uint64_t count = field.count == 0 ? 1 : field.count;
-  const std::uint64_t end = field.offset + size * count;  // < 2^36
+  const std::uint64_t end = field.offset + size * count;  // less than 2^36
   if (end <= point_step) return absl::OkStatus();
   return absl::InvalidArgumentError(fmt::format("field '{}' at offset {} ends at byte {}, beyond point_step {}",
                                                 field.name, field.offset, end, point_step));
@@ -50,49 +57,51 @@ absl::Status wrong_type(const PointField& field, std::string_view needed) {
                                                 static_cast<int>(field.datatype), field.count, needed));
 }
 
+/// Whether the field is a single number of one of two types.
 bool is_one(const PointField& field, PointDatatype a, PointDatatype b) {
   return field.count <= 1 && (field.datatype == a || field.datatype == b);
 }
 
-absl::StatusOr<FieldRoles> find_roles(const std::vector<PointField>& fields) {
+absl::Status check_types(const LayoutRoles& roles) {
+  for (const PointField* field : roles.position) {
+    if (!is_one(*field, PointDatatype::kFloat32, PointDatatype::kFloat64)) {
+      return wrong_type(*field, "7 (FLOAT32) or 8 (FLOAT64), count 1");
+    }
+  }
+  if (roles.packed != nullptr && !is_one(*roles.packed, PointDatatype::kFloat32, PointDatatype::kUint32)) {
+    return wrong_type(*roles.packed, "7 (FLOAT32) or 6 (UINT32), count 1");
+  }
+  if (!roles.channels) return absl::OkStatus();
+  for (const PointField* field : *roles.channels) {
+    if (!is_one(*field, PointDatatype::kUint8, PointDatatype::kUint8)) return wrong_type(*field, "2 (UINT8), count 1");
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<LayoutRoles> find_roles(const std::vector<PointField>& fields) {
   std::vector<std::string_view> names(fields.size());
   std::ranges::transform(fields, names.begin(), &PointField::name);
-  FieldRoles roles;
-  const auto position = find_three(names, {"x", "y", "z"});
-  if (!position.ok()) return position.status();
-  if (!*position) return absl::InvalidArgumentError("the fields x, y and z must be there");
-  for (std::size_t i = 0; i < 3; ++i) {
-    const PointField& field = *(roles.position[i] = &fields[(**position)[i]]);
-    if (!is_one(field, PointDatatype::kFloat32, PointDatatype::kFloat64)) {
-      return wrong_type(field, "7 (FLOAT32) or 8 (FLOAT64), count 1");
-    }
+  const auto fields_at = [&fields](const std::array<std::size_t, 3>& indices) {
+    return FieldTriple{&fields[indices[0]], &fields[indices[1]], &fields[indices[2]]};
+  };
+  ASSIGN_OR_RETURN(const auto position, find_triple(names, {"x", "y", "z"}));
+  if (!position) return absl::InvalidArgumentError("the fields x, y and z must be there");
+  ASSIGN_OR_RETURN(const auto rgb, find_unique(names, "rgb"));
+  ASSIGN_OR_RETURN(const auto rgba, find_unique(names, "rgba"));
+  ASSIGN_OR_RETURN(const auto channels, find_triple(names, {"r", "g", "b"}));
+  LayoutRoles roles;
+  roles.position = fields_at(*position);
+  if (const auto packed = rgb ? rgb : rgba) {
+    roles.packed = &fields[*packed];
+  } else if (channels) {
+    roles.channels = fields_at(*channels);
   }
-  for (const std::string_view name : {"rgb", "rgba"}) {
-    const auto packed = find_unique(names, name);
-    if (!packed.ok()) return packed.status();
-    if (!*packed || roles.packed != nullptr) continue;
-    roles.packed = &fields[**packed];
-    if (!is_one(*roles.packed, PointDatatype::kFloat32, PointDatatype::kUint32)) {
-      return wrong_type(*roles.packed, "7 (FLOAT32) or 6 (UINT32), count 1");
-    }
-  }
-  const auto channels = find_three(names, {"r", "g", "b"});
-  if (!channels.ok()) return channels.status();
-  if (roles.packed != nullptr || !*channels) return roles;
-  roles.channels.emplace();
-  for (std::size_t i = 0; i < 3; ++i) {
-    const PointField& field = *((*roles.channels)[i] = &fields[(**channels)[i]]);
-    if (!is_one(field, PointDatatype::kUint8, PointDatatype::kUint8)) return wrong_type(field, "2 (UINT8), count 1");
-  }
+  RETURN_IF_ERROR(check_types(roles));
   return roles;
 }
 
 absl::Status check_sizes(const StridedLayout& layout, const DecodeLimits& limits) {
-  const std::uint64_t points = std::uint64_t{layout.width} * layout.height;
-  if (points > limits.max_points) {
-    return over_limit(fmt::format("{} points exceed the limit of {} points", points, limits.max_points),
-                      {"max_points", points, limits.max_points});
-  }
+  RETURN_IF_ERROR(check_points("", std::uint64_t{layout.width} * layout.height, limits));
   if (layout.bytes() > limits.max_bytes) {
     return over_limit(fmt::format("{} rows of {} bytes exceed the limit of {} bytes", layout.height, layout.row_step,
                                   limits.max_bytes),
@@ -104,12 +113,12 @@ absl::Status check_sizes(const StridedLayout& layout, const DecodeLimits& limits
   }
   if (layout.fields.size() > kMaxFields) {
     return absl::InvalidArgumentError(
-        fmt::format("{} fields; at most {} are possible", layout.fields.size(), kMaxFields));
+        fmt::format("there are {} fields; at most {} are possible", layout.fields.size(), kMaxFields));
   }
   return absl::OkStatus();
 }
 
-/// Calls function(i, T) with the value of the field of every point i.
+/// Calls function(i, value) with the T of the field of every point i.
 template <typename T, std::endian kOrder, typename Function>
 void for_each_value(const StridedLayout& layout, std::string_view data, const PointField& field, StopCheck& check,
                     Function function) {
@@ -124,7 +133,7 @@ void for_each_value(const StridedLayout& layout, std::string_view data, const Po
 }
 
 template <std::endian kOrder>
-void read_points(const StridedLayout& layout, std::string_view data, const FieldRoles& roles, StopCheck& check,
+void read_points(const StridedLayout& layout, std::string_view data, const LayoutRoles& roles, StopCheck& check,
                  Cloud& cloud) {
   const std::array<std::vector<float>*, 3> axes{&cloud.x, &cloud.y, &cloud.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -152,35 +161,32 @@ void read_points(const StridedLayout& layout, std::string_view data, const Field
 }  // namespace
 
 absl::Status check_layout(const StridedLayout& layout, const DecodeLimits& limits) {
-  if (absl::Status status = check_sizes(layout, limits); !status.ok()) return status;
-  for (const PointField& field : layout.fields) {
-    if (absl::Status status = check_field(field, layout.point_step); !status.ok()) return status;
-  }
+  RETURN_IF_ERROR(check_sizes(layout, limits));
+  for (const PointField& field : layout.fields) RETURN_IF_ERROR(check_field(field, layout.point_step));
   return find_roles(layout.fields).status();
 }
 
 absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_view data, const View& view,
                                      const DecodeLimits& limits, const StopToken& stop) {
-  if (absl::Status status = check_layout(layout, limits); !status.ok()) return status;
+  RETURN_IF_ERROR(check_layout(layout, limits));
   if (data.size() != layout.bytes()) {
-    return absl::InvalidArgumentError(fmt::format("the data have {} bytes; {} rows of {} bytes are {}", data.size(),
+    return absl::InvalidArgumentError(fmt::format("the data have {} bytes, but {} rows of {} bytes are {}", data.size(),
                                                   layout.height, layout.row_step, layout.bytes()));
   }
-  const absl::StatusOr<FieldRoles> roles = find_roles(layout.fields);
-  if (!roles.ok()) return roles.status();
+  ASSIGN_OR_RETURN(const LayoutRoles roles, find_roles(layout.fields));
   Cloud cloud;
   cloud.width = layout.width;
   cloud.height = layout.height;
   cloud.view = view;
-  cloud.resize(std::size_t{layout.width} * layout.height, roles->packed != nullptr || roles->channels);
+  cloud.resize(std::size_t{layout.width} * layout.height, roles.has_color());
   if (cloud.size() == 0) return cloud;  // There may be 2^32 rows without a point.
   StopCheck check(stop);
   if (layout.is_bigendian) {
-    read_points<std::endian::big>(layout, data, *roles, check, cloud);
+    read_points<std::endian::big>(layout, data, roles, check, cloud);
   } else {
-    read_points<std::endian::little>(layout, data, *roles, check, cloud);
+    read_points<std::endian::little>(layout, data, roles, check, cloud);
   }
-  if (absl::Status status = stop.check(); !status.ok()) return status;
+  RETURN_IF_ERROR(check.status());
   return cloud;
 }
 

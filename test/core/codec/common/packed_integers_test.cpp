@@ -25,7 +25,7 @@ TEST(Integers, AreLittleEndian) {
   EXPECT_EQ(encode_integers(values).bytes, std::string("\x02\x01\x03\x00", 4));
 }
 
-TEST(Integers, NoneAreNoBytes) {
+TEST(Integers, NoValuesAreNoBytes) {
   EXPECT_EQ(encode_integers({}).bytes, "");
   EXPECT_EQ(decode_integers("", 1)->size(), 0U);
 }
@@ -33,8 +33,8 @@ TEST(Integers, NoneAreNoBytes) {
 TEST(Integers, WrongWidthsAndLengthsAreNamed) {
   for (const std::uint32_t width : {0U, 3U, 8U})
     expect_fault(decode_integers("123456", width).status(), "bytes per value");
-  expect_fault(decode_integers("123456", 4).status(), "6 bytes are no whole number of values of 4 bytes");
-  expect_fault(decode_integers("1", 2).status(), "1 bytes are no whole number of values of 2 bytes");
+  expect_fault(decode_integers("123456", 4).status(), "6 bytes are not a whole number of values of 4 bytes");
+  expect_fault(decode_integers("1", 2).status(), "1 bytes are not a whole number of values of 2 bytes");
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ TEST(Zstd, RoundTripsAtAnyLevelAndSize) {
   }
 }
 
-TEST(Zstd, AFrameWithoutItsSizeIsReadAsWell) {
+TEST(Zstd, AFrameThatDoesNotDeclareItsSizeIsRead) {
   const std::string bytes = noise(300'000);
   std::string frame(ZSTD_compressBound(bytes.size()), '\0');
   ZSTD_CCtx* context = ZSTD_createCCtx();
@@ -36,25 +36,26 @@ TEST(Zstd, AFrameWithoutItsSizeIsReadAsWell) {
   frame.resize(ZSTD_compress2(context, frame.data(), frame.size(), bytes.data(), bytes.size()));
   ZSTD_freeCCtx(context);
   EXPECT_EQ(zstd_decompress(frame, bytes.size()).value_or(""), bytes);
-  expect_fault(zstd_decompress(frame, bytes.size() + 1).status(), "decoded to 300000 bytes, claimed are 300001");
-  expect_fault(zstd_decompress(frame, bytes.size() - 1).status(), "claimed are 299999 bytes");
+  expect_fault(zstd_decompress(frame, bytes.size() + 1).status(),
+               "the frame decodes to 300000 bytes, not the claimed 300001");
+  expect_fault(zstd_decompress(frame, bytes.size() - 1).status(), "the claimed size is 299999 bytes");
   expect_fault(zstd_decompress(frame.substr(0, 20), std::size_t{1} << 31U).status(),
                "20 bytes cannot hold the claimed 2147483648 bytes");
 }
 
-TEST(Zstd, LiesAreNamed) {
+TEST(Zstd, WrongClaimsAreNamed) {
   const std::string bytes = noise(1000);
   const std::string good = zstd_compress(bytes, 1).value();
   expect_fault(zstd_compress(bytes, 20).status(), "zstd level 20 is not in -100 to 19");
   expect_fault(zstd_decompress(good, 999).status(), "declares 1000 bytes, not the claimed 999");
   expect_over_limit(zstd_decompress(good, 1000, {.max_bytes = 999}).status(), "max_bytes",
-                    "exceeds the limit of 999 bytes");
-  expect_fault(zstd_decompress(good, std::numeric_limits<std::size_t>::max()).status(), "exceeds the limit");
+                    "the claimed 1000 bytes exceed the limit of 999 bytes");
+  expect_fault(zstd_decompress(good, std::numeric_limits<std::size_t>::max()).status(), "exceed the limit");
   expect_fault(zstd_decompress("no zstd at all", 10).status(), "do not begin with a zstd frame");
   expect_fault(zstd_decompress("", 0).status(), "do not begin with a zstd frame");
 }
 
-TEST(Zstd, NoTruncatedFrameIsTakenForAWholeOne) {
+TEST(Zstd, TruncatedFramesAreRefused) {
   const std::string good = zstd_compress(noise(1000), 1).value();
   for (std::size_t size = 0; size < good.size(); ++size) {
     EXPECT_FALSE(zstd_decompress(good.substr(0, size), 1000).ok()) << size;

@@ -19,7 +19,7 @@ class Draco : public testing::Test {
   }
 };
 
-/// Points within +-`range` meters in no order of any kind, every seventh not finite.
+/// Random points within +-`range` meters. About one in seven is not finite unless `all_finite` is set.
 Cloud random_cloud(std::uint32_t seed, std::uint32_t width, float range, bool color, bool all_finite) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> coordinate(-range, range);
@@ -67,7 +67,7 @@ TEST_F(Draco, KeepsOrderColorsAndTheBound) {
   }
 }
 
-TEST_F(Draco, WithoutAnyFinitePointThereIsOnlyTheBitmap) {
+TEST_F(Draco, ACloudWithoutFinitePointsIsOnlyABitmap) {
   Cloud cloud = random_cloud(1, 20, 1, true, true);
   for (float& z : cloud.z) z = NAN;
   const DracoFile file = encode_draco(cloud, 0.001).value();
@@ -76,7 +76,7 @@ TEST_F(Draco, WithoutAnyFinitePointThereIsOnlyTheBitmap) {
   EXPECT_EQ(decode(file, 20)->size(), 20U);
 }
 
-TEST_F(Draco, WhatCannotBeKeptIsSaid) {
+TEST_F(Draco, BoundsThatCannotBeKeptAreRefused) {
   const Cloud cloud = random_cloud(1, 20, 1000, false, true);
   expect_fault(encode_draco(cloud, 0.00001).status(), "cannot be kept within 1e-05 m");
   expect_fault(encode_draco(cloud, 0).status(), "is not above 0");
@@ -99,15 +99,15 @@ TEST_F(Draco, ClaimsAreCheckedBeforeDracoSeesThem) {
   expect_fault(with(7, 1), "it is a mesh");
   expect_fault(with(8, 1), "not sequentially encoded");
   expect_fault(with(10, '\x80'), "flags or metadata");
-  expect_fault(with(14, '\x7f'), "it has 2130706452 points, the cloud 20");
+  expect_fault(with(14, '\x7f'), "it has 2130706452 points, but the cloud has 20");
   expect_fault(with(15, 2), "2 groups of attributes");
   expect_fault(with(16, 3), "3 attributes");
   expect_fault(with(19, '\xff'), "with 255 components");
   expect_over_limit(decode(good, 20, {.max_points = 19, .draco = true}).status(), "max_points", "20 points");
   expect_over_limit(decode(good, 20, {.max_bytes = 299, .draco = true}).status(), "max_bytes", "of 15 bytes");
-  expect_fault(decode(good, 21).status(), "it has 20 points, the cloud 21");
+  expect_fault(decode(good, 21).status(), "it has 20 points, but the cloud has 21");
   expect_fault(decode({good.data, "ab"}, 20).status(), "the bitmap of 20 points has 2 bytes, not 3");
-  expect_fault(decode({good.data, std::string(3, '\xff')}, 20).status(), "the bitmap does not have 20 of 20 points");
+  expect_fault(decode({good.data, std::string(3, '\xff')}, 20).status(), "the bitmap does not mark 20 of 20 points");
 }
 
 TEST_F(Draco, DamageIsRefusedOrDecodedWithinBounds) {

@@ -76,8 +76,9 @@ TEST_F(CloudFile, FaultsNameTheFile) {
   std::ofstream(path("empty.pcd")).flush();
   expect_fault(load_cloud(path("empty.pcd")).status(), path("empty.pcd") + ": not a PCD file");
   expect_over_limit(load_cloud(path("bad.pcd"), std::nullopt, {.max_bytes = 5}).status(), "max_bytes",
-                    "more than the limit of 5 bytes");
-  expect_fault(save_cloud(path("cloud.las"), Cloud{}, {}), path("cloud.las") + ": a cloud is written to a name that");
+                    "it has more bytes than the limit of 5");
+  expect_fault(save_cloud(path("cloud.las"), Cloud{}, {}),
+               path("cloud.las") + ": the name of a cloud must end in .pcd or .ply");
 
   EXPECT_FALSE(load_cloud(folder_).ok());
   const auto nowhere = save_cloud(path("no/such/folder.pcd"), Cloud{}, {});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fields of a PCD file mean, whatever their order and types.
+// The meaning of the fields of a PCD file, in any order and of any types.
 
 #include <cstring>
 
@@ -31,7 +31,7 @@ LabelledCloud decode(const std::string& file) {
   return cloud.value_or(LabelledCloud{});
 }
 
-TEST(PcdFields, AnyOrderUnknownOnesAndCountsAreSkipped) {
+TEST(PcdFields, AnyOrderIsReadAndUnknownFieldsAreSkipped) {
   std::string file = header("normal_x z histogram x _ y", "4 8 2 4 1 8", "F F U F U F", "1 1 3 1 4 1", 2, "binary");
   for (int i = 0; i < 2; ++i) {
     put(file, 9.0F);
@@ -55,7 +55,7 @@ TEST(PcdFields, PackedFloatIsReinterpretedAndNeverConverted) {
     file.append(12, '\0');
     put(file, bits);
   }
-  // With an opaque alpha most bright colors are NaNs; only the plain quiet NaN says "no color".
+  // With an opaque alpha most bright colors are NaNs. Only the quiet NaN 0x7FC00000 means "no color".
   EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(0x102030U, 0xC0FFEEU, 0U));
 }
 
@@ -70,7 +70,7 @@ TEST(PcdFields, PackedIntegerIsTheSameWhateverItsNameAndSign) {
   EXPECT_THAT(decode(text).cloud.rgb, ElementsAre(0x00FF00U, 0x102030U));
 }
 
-TEST(PcdFields, PackedTextOfTypeFloatIsAFloatsBits) {
+TEST(PcdFields, PackedTextOfTypeFloatIsTheBitsOfAFloat) {
   const float number = 4.2108e+06F;
   const std::string file = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 3, "ascii") +
                            "0 0 0 4.2108e+06\n0 0 0 nan\n0 0 0 2.3418052e-38\n";
@@ -99,7 +99,7 @@ TEST(PcdFields, PackedColorIsPreferredToChannels) {
   EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(255U));
 }
 
-TEST(PcdFields, SomeChannelsOnlyAreNoColor) {
+TEST(PcdFields, ACloudThatLacksAChannelHasNoColor) {
   const std::string file = header("x y z r g", "4 4 4 1 1", "F F F U U", "1 1 1 1 1", 1, "ascii") + "0 0 0 1 2\n";
   EXPECT_FALSE(decode(file).cloud.has_color());
 }

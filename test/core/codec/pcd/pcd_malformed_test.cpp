@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wrong PCD files: each is refused with words that tell what is wrong, and none does harm.
+// Malformed PCD files. Each is refused with a message that names the fault, and none does harm.
 
 #include <cstring>
 
@@ -35,8 +35,8 @@ std::vector<Fault> header_faults() {
       {kFields + kTwoPoints + "DATA gzip\n", "DATA in line 7 is 'gzip'"},
       {kFields + kTwoPoints + "DATA\n", "DATA in line 7 is ''"},
       {"VERSION 9\n" + kFields + kTwoPoints + "DATA ascii\n", "VERSION in line 1 is '9'"},
-      {kFields + "COLOUR 1\n" + kTwoPoints + "DATA ascii\n", "line 4 begins with 'COLOUR'"},
-      {kFields + kTwoPoints + "WIDTH 2\nDATA ascii\n", "WIDTH in line 7 is there already in line 4"},
+      {kFields + "COLOR 1\n" + kTwoPoints + "DATA ascii\n", "line 4 begins with 'COLOR'"},
+      {kFields + kTwoPoints + "WIDTH 2\nDATA ascii\n", "WIDTH occurs twice, in lines 4 and 7"},
       {kTwoPoints + "DATA ascii\n", "FIELDS is missing"},
       {"FIELDS x y z\nTYPE F F F\n" + kTwoPoints + "DATA ascii\n", "SIZE is missing"},
       {"FIELDS x y z\nSIZE 4 4 4\n" + kTwoPoints + "DATA ascii\n", "TYPE is missing"},
@@ -50,19 +50,19 @@ std::vector<Fault> header_faults() {
       {"FIELDS x y z\nSIZE 4 4 2\nTYPE F F F\n" + kTwoPoints + "DATA ascii\n", "field 'z' has TYPE 'F' and SIZE '2'"},
       {"FIELDS x y z\nSIZE 4 4 4\nTYPE F F Q\n" + kTwoPoints + "DATA ascii\n", "field 'z' has TYPE 'Q'"},
       {"FIELDS x y z\nSIZE 4 4 4\nTYPE F F U\n" + kTwoPoints + "DATA ascii\n", "field 'z' must have TYPE F"},
-      {"FIELDS x y w\nSIZE 4 4 4\nTYPE F F F\n" + kTwoPoints + "DATA ascii\n", "must contain x, y and z"},
-      {"FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\n" + kTwoPoints + "DATA ascii\n", "'x' is there twice"},
-      {"FIELDS x y z rgb rgb\nSIZE 4 4 4 4 4\nTYPE F F F F F\n" + kTwoPoints + "DATA ascii\n", "'rgb' is there twice"},
+      {"FIELDS x y w\nSIZE 4 4 4\nTYPE F F F\n" + kTwoPoints + "DATA ascii\n", "FIELDS: x, y and z must be there"},
+      {"FIELDS x y z x\nSIZE 4 4 4 4\nTYPE F F F F\n" + kTwoPoints + "DATA ascii\n", "'x' occurs twice"},
+      {"FIELDS x y z rgb rgb\nSIZE 4 4 4 4 4\nTYPE F F F F F\n" + kTwoPoints + "DATA ascii\n", "'rgb' occurs twice"},
       {"FIELDS x y z rgb\nSIZE 4 4 4 8\nTYPE F F F F\n" + kTwoPoints + "DATA ascii\n",
-       "field 'rgb' is packed color and must have SIZE 4, not 8"},
+       "field 'rgb' is a packed color and must have SIZE 4, not 8"},
       {kFields + "DATA ascii\n", "POINTS and WIDTH are missing"},
       {kFields + "WIDTH 2\nHEIGHT 3\nPOINTS 7\nDATA ascii\n", "POINTS 7 is not WIDTH 2 x HEIGHT 3"},
       {kFields + "WIDTH -2\nDATA ascii\n", "WIDTH in line 4 must be one whole number"},
       {kFields + "WIDTH 99999999999999999999\nDATA ascii\n", "WIDTH in line 4 must be one whole number"},
       {kFields + "POINTS 1152921504606846976\nDATA binary\n", "WIDTH 1152921504606846976 x HEIGHT 1 exceeds"},
-      {kFields + "WIDTH 4294967295\nHEIGHT 4294967295\nDATA binary\n", "exceeds the limit of 64000000 points"},
+      {kFields + "WIDTH 4294967295\nHEIGHT 4294967295\nDATA binary\n", "exceed the limit of 64000000 points"},
       {kFields + "WIDTH 4294967296\nHEIGHT 4294967296\nPOINTS 0\nDATA binary\n", "exceeds the limit"},
-      {kFields + "POINTS 64000001\nDATA binary\n", "POINTS 64000001 exceeds the limit of 64000000 points"},
+      {kFields + "POINTS 64000001\nDATA binary\n", "64000001 points exceed the limit of 64000000 points"},
       {kFields + kTwoPoints + "VIEWPOINT 0 0 0\nDATA ascii\n", "VIEWPOINT in line 7 must be 7 finite numbers"},
       {kFields + kTwoPoints + "VIEWPOINT 0 0 nan 1 0 0 0\nDATA ascii\n", "VIEWPOINT in line 7"},
   };
@@ -71,18 +71,19 @@ std::vector<Fault> header_faults() {
 std::vector<Fault> body_faults() {
   const std::string lzf_of_24 = compressed(26, 24, std::string(1, '\x17') + std::string(25, '\0'));
   return {
-      {kFields + kTwoPoints + "DATA binary\n" + kTwelve, "12 bytes are there; POINTS 2 of 12 bytes each need more"},
+      {kFields + kTwoPoints + "DATA binary\n" + kTwelve, "it has 12 bytes, but POINTS 2 of 12 bytes each need more"},
       {kFields + kTwoPoints + "DATA ascii\n1.00 2.00 3.00\n\n", "ends after 1 of POINTS 2"},
-      {kFields + kTwoPoints + "DATA ascii\n1\n", "2 bytes are there; POINTS 2 of 3 values each need more"},
+      {kFields + kTwoPoints + "DATA ascii\n1\n", "it has 2 bytes, but POINTS 2 of 3 values each need more"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n1 2 3\n1 2 3\n", "line 10 is one more than POINTS 2 promises"},
-      {kFields + kTwoPoints + "DATA ascii\n1 2 3\n\n4 5\n6 7 8\n", "line 10 has 2 values; FIELDS and COUNT promise 3"},
+      {kFields + kTwoPoints + "DATA ascii\n1 2 3\n\n4 5\n6 7 8\n",
+       "line 10 has 2 values, but FIELDS and COUNT promise 3"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6 7\n", "line 9 has 4 values"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6,0\n",
        "line 9: '6,0' is not a value of field 'z' (a float of 4"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 +-6\n", "line 9: '+-6' is not a value of field 'z'"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 \x01\xff\n", "line 9: '?\?' is not a value"},
-      {kFields + kTwoPoints + "DATA binary_compressed\n1234567", "7 bytes are there; binary_compressed begins with"},
-      {compressed(100, 24, kTwelve), "claims 100 compressed bytes, 12 are there"},
+      {kFields + kTwoPoints + "DATA binary_compressed\n1234567", "it has 7 bytes, but binary_compressed begins with"},
+      {compressed(100, 24, kTwelve), "claims 100 compressed bytes, but has 12"},
       {compressed(12, 25, kTwelve), "claims 25 bytes when decompressed, which is not POINTS 2 of 12"},
       {compressed(12, 36, kTwelve), "claims 36 bytes when decompressed, which is not POINTS 2 of 12"},
       {compressed(12, 4294967295U, kTwelve), "claims 4294967295 bytes when decompressed"},
@@ -115,16 +116,16 @@ TEST(PcdMalformed, LimitsAreNamed) {
   const Sample sample = make_sample(1, 10, 10, true, true);
   const std::string file = encode_pcd(sample.cloud, sample.label, PcdEncoding::kBinaryCompressed);
   expect_over_limit(decode_pcd(bytes_of(file), {.max_points = 99}).status(), "max_points",
-                    "POINTS 100 exceeds the limit of 99 points");
+                    "PCD header: 100 points exceed the limit of 99 points");
   expect_over_limit(decode_pcd(bytes_of(file), {.max_bytes = 100}).status(), "max_bytes",
-                    "exceeds the limit of 100 bytes");
+                    "bytes exceed the limit of 100 bytes");
   const std::string wide = kFields + "COUNT 1 1 1000\n" + kTwoPoints + "DATA binary\n";
   expect_over_limit(decode_pcd(bytes_of(wide), {.max_bytes = 4000}).status(), "max_bytes",
                     "COUNT 1000 of field 'z' makes one point larger than the limit of 4000 bytes");
   EXPECT_TRUE(decode_pcd(bytes_of(file), {.max_points = 100, .max_bytes = file.size()}).ok());
 }
 
-TEST(PcdMalformed, WhatDecompressesToMoreThanTheLimitIsRefused) {
+TEST(PcdMalformed, ABodyThatDecompressesToMoreThanTheLimitIsRefused) {
   Cloud cloud;
   cloud.resize(1000, false);
   cloud.width = 1000;
@@ -132,18 +133,18 @@ TEST(PcdMalformed, WhatDecompressesToMoreThanTheLimitIsRefused) {
   const std::string file = encode_pcd(cloud, {}, PcdEncoding::kBinaryCompressed);
   ASSERT_LT(file.size(), 1000U);
   expect_over_limit(decode_pcd(bytes_of(file), {.max_bytes = 11999}).status(), "max_bytes",
-                    "claims 12000 bytes when decompressed, which exceeds the limit of 11999");
+                    "its decompressed 12000 bytes exceed the limit of 11999 bytes");
 }
 
 class PcdDamage : public testing::TestWithParam<PcdEncoding> {};
 
-TEST_P(PcdDamage, NoTruncatedFileIsTakenForAWholeOne) {
+TEST_P(PcdDamage, TruncatedFilesAreRefused) {
   const Sample sample = make_sample(3, 7, 3, true, true);
   const std::string file = encode_pcd(sample.cloud, sample.label, GetParam());
-  // In text the end of a number cannot be seen: cut there, the last line is still a line.
+  // A text that is cut within or behind its last number cannot be told from a whole one.
   const std::size_t surely_short = GetParam() == PcdEncoding::kAscii ? file.rfind(' ') + 1 : file.size() - 1;
   for (std::size_t size = 0; size <= surely_short; ++size) {
-    const std::string part = file.substr(0, size);  // its own allocation, so that ASan sees a read beyond it
+    const std::string part = file.substr(0, size);  // An allocation of its own lets ASan see a read beyond it.
     const auto read = decode_pcd(bytes_of(part), DecodeLimits{});
     EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << "at " << size << " bytes";
   }

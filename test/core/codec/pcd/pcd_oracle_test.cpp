@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PCL's own reader and writer as the oracle, in both directions and for every encoding.
+// Our reader and writer agree with those of PCL, in both directions and for every encoding.
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
@@ -28,7 +28,7 @@ class PclOracle : public testing::TestWithParam<PcdEncoding> {
   template <typename PointT>
   void write_pcls(const ::pcl::PointCloud<PointT>& cloud) const {
     ::pcl::PCDWriter writer;
-    constexpr int kDigits = 9;  // enough for every float
+    constexpr int kDigits = 9;  // These suffice for every float.
     const int status = GetParam() == PcdEncoding::kAscii    ? writer.writeASCII(path_, cloud, kDigits)
                        : GetParam() == PcdEncoding::kBinary ? writer.writeBinary(path_, cloud)
                                                             : writer.writeBinaryCompressed(path_, cloud);
@@ -38,7 +38,7 @@ class PclOracle : public testing::TestWithParam<PcdEncoding> {
   std::string path_;
 };
 
-/// PCL reads no infinities and denormals from text: those stay out of the comparison.
+/// A sample without infinities and denormals, which PCL cannot read from text.
 Sample plain_sample(std::uint32_t width, std::uint32_t height) {
   Sample sample = make_sample(11, width, height, true, true);
   for (auto* plane : {&sample.cloud.x, &sample.cloud.y, &sample.cloud.z}) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is written to a PCD file comes back, bit for bit.
+// A cloud that is written to a PCD file and read again is the same, bit for bit.
 
 #include "segserve/codec/pcd.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"

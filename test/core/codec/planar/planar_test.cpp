@@ -30,12 +30,12 @@ TEST(Planar, LayoutIsLittleEndianFloatsAndInterleavedBytes) {
   EXPECT_EQ(planes.rgb, "\x10\x20\x30");
 }
 
-TEST(Planar, CoordinatesStayWhereTheyAreIfAligned) {
+TEST(Planar, AlignedCoordinatesAreNotCopied) {
   const Sample sample = make_sample(1, 13, 7, true, false);
   const PlanarPlanes planes = encode_planar(sample.cloud);
-  std::string crooked = " " + planes.y;
+  std::string unaligned = " " + planes.y;
   PlanarBytes bytes = planes;
-  bytes.y = std::string_view(crooked).substr(1);
+  bytes.y = std::string_view(unaligned).substr(1);
   auto read = decode_planar(bytes, 13, 7, View::camera(), {}).value();
   EXPECT_EQ(static_cast<const void*>(read->x.data()), planes.x.data());
   EXPECT_NE(static_cast<const void*>(read->y.data()), bytes.y.data());
@@ -46,7 +46,7 @@ TEST(Planar, CoordinatesStayWhereTheyAreIfAligned) {
   expect_same_points(own, sample.cloud);
 }
 
-TEST(Planar, EncodingInPlaceIsTheSameBytes) {
+TEST(Planar, EncodingInPlaceGivesTheSameBytes) {
   for (const std::uint32_t points : {0U, 1U, 2U, 91U}) {
     Cloud cloud = make_sample(1, 91, 1, true, false).cloud;
     cloud.resize(points, true);

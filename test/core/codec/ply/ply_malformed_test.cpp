@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Wrong PLY files: each is refused with words that tell what is wrong, and none does harm.
+// Malformed PLY files. Each is refused with a message that names the fault, and none does harm.
 
 #include <limits>
 
@@ -26,7 +26,7 @@ std::vector<Fault> header_faults() {
       {kAscii + kVertex, "ends without a line 'end_header'"},
       {kAscii + kVertex + "end_header", "ends without a line 'end_header'"},
       {"ply\n" + kVertex + kEnd, "has no line 'format'"},
-      {kAscii + "format ascii 1.0\n" + kVertex + kEnd, "'format' is there twice, again in line 3"},
+      {kAscii + "format ascii 1.0\n" + kVertex + kEnd, "'format' occurs twice, again in line 3"},
       {"ply\nformat binary_middle_endian 1.0\n" + kVertex + kEnd, "format in line 2 is 'binary_middle_endian'"},
       {"ply\nformat ascii 2.0\n" + kVertex + kEnd, "line 2 must be 'format NAME 1.0'"},
       {kAscii + "elephant 1\n" + kEnd, "line 3 begins with 'elephant'"},
@@ -37,9 +37,10 @@ std::vector<Fault> header_faults() {
       {kAscii + "element vertex 1\nproperty half x\n" + kEnd, "line 4: 'half' is not a type"},
       {kAscii + "element vertex 1\nproperty list float int x\n" + kEnd, "line 4: 'float' is not an integer type"},
       {kAscii + "element face 1\n" + kEnd, "has no element 'vertex'"},
-      {kAscii + kVertex + kVertex + kEnd, "element 'vertex' is there twice"},
-      {kAscii + "element vertex 1\nproperty float x\nproperty float y\n" + kEnd, "must have the properties x, y and z"},
-      {kAscii + kVertex + "property float x\n" + kEnd, "property 'x' is there twice"},
+      {kAscii + kVertex + kVertex + kEnd, "elements: 'vertex' occurs twice"},
+      {kAscii + "element vertex 1\nproperty float x\nproperty float y\n" + kEnd,
+       "properties of 'vertex': x, y and z must be there"},
+      {kAscii + kVertex + "property float x\n" + kEnd, "properties of 'vertex': 'x' occurs twice"},
       {kAscii + "element vertex 1\nproperty int x\nproperty float y\nproperty float z\n" + kEnd,
        "property 'x' must be a float or double"},
       {kAscii + "element vertex 1\nproperty list int float x\nproperty float y\nproperty float z\n" + kEnd,
@@ -47,7 +48,7 @@ std::vector<Fault> header_faults() {
       {kAscii + kVertex + "property float red\nproperty float green\nproperty float blue\n" + kEnd,
        "property 'red' must be an integer, 0 to 255"},
       {kAscii + "element vertex 1152921504606846976\n" + kXyz + kEnd,
-       "element vertex 1152921504606846976 exceeds the limit of 64000000 points"},
+       "1152921504606846976 points exceed the limit of 64000000 points"},
   };
 }
 
@@ -96,20 +97,20 @@ TEST(PlyMalformed, MoreVerticesThanAWidthHoldsAreRefused) {
 TEST(PlyMalformed, LimitsAreNamed) {
   const std::string file = encode_ply(make_sample(1, 10, 10, true, true).cloud, {}, PlyEncoding::kBinaryLittleEndian);
   expect_over_limit(decode_ply(bytes_of(file), {.max_points = 99}).status(), "max_points",
-                    "element vertex 100 exceeds the limit of 99");
+                    "PLY header: 100 points exceed the limit of 99 points");
   expect_over_limit(decode_ply(bytes_of(file), {.max_bytes = 100}).status(), "max_bytes",
-                    "exceeds the limit of 100 bytes");
+                    "bytes exceed the limit of 100 bytes");
 }
 
 class PlyDamage : public testing::TestWithParam<PlyEncoding> {};
 
-TEST_P(PlyDamage, NoTruncatedFileIsTakenForAWholeOne) {
+TEST_P(PlyDamage, TruncatedFilesAreRefused) {
   const Sample sample = make_sample(3, 7, 3, true, true);
   const std::string file = encode_ply(sample.cloud, sample.label, GetParam());
-  // In text the end of a number cannot be seen: cut there, the last line is still a line.
+  // A text that is cut within or behind its last number cannot be told from a whole one.
   const std::size_t surely_short = GetParam() == PlyEncoding::kAscii ? file.rfind(' ') + 1 : file.size() - 1;
   for (std::size_t size = 0; size <= surely_short; ++size) {
-    const std::string part = file.substr(0, size);  // its own allocation, so that ASan sees a read beyond it
+    const std::string part = file.substr(0, size);  // An allocation of its own lets ASan see a read beyond it.
     const auto read = decode_ply(bytes_of(part), DecodeLimits{});
     EXPECT_EQ(read.status().code(), absl::StatusCode::kInvalidArgument) << "at " << size << " bytes";
   }
@@ -120,7 +121,7 @@ TEST_P(PlyDamage, FlippedBytesAreRefusedOrReadWithinBounds) {
   const Sample sample = make_sample(4, 9, 4, true, true);
   std::string file = encode_ply(sample.cloud, sample.label, GetParam());
   const std::string list = "property list uchar int neighbors\n";
-  file.insert(file.find("end_header"), list);  // its length is read from the next point's bytes
+  file.insert(file.find("end_header"), list);  // The length of the list is read from the bytes of the next point.
   std::mt19937 random(5);
   const DecodeLimits limits{.max_points = 100'000, .max_bytes = 1'000'000};
   for (int round = 0; round < 20'000; ++round) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PLY files as other programs write them, and what we write ourselves.
+// Well-formed PLY files, by other programs and by encode_ply.
 
 #include "segserve/codec/ply.hpp"
 
@@ -39,7 +39,7 @@ TEST(PlyRoundTrip, KeepsPointsColorsAndLabels) {
   }
 }
 
-TEST(PlyRoundTrip, NoPointsAreNoPoints) {
+TEST(PlyRoundTrip, AnEmptyCloudStaysEmpty) {
   EXPECT_EQ(decode(encode_ply(Cloud{}, {}, PlyEncoding::kAscii)).cloud.size(), 0U);
   EXPECT_EQ(decode(encode_ply(Cloud{}, {}, PlyEncoding::kBinaryLittleEndian)).cloud.size(), 0U);
 }

@@ -13,7 +13,7 @@
 namespace segserve::codec {
 namespace {
 
-/// Random points within +-`range` meters, every seventh not finite.
+/// Random points within +-`range` meters. About one in seven is not finite unless `all_finite` is set.
 Cloud random_cloud(std::uint32_t seed, std::uint32_t width, std::uint32_t height, float range, bool color,
                    bool all_finite = false) {
   std::mt19937 random(seed);
@@ -33,7 +33,8 @@ Cloud random_cloud(std::uint32_t seed, std::uint32_t width, std::uint32_t height
   return cloud;
 }
 
-/// The largest error of a coordinate; checks what must be exact: which points are finite, their order, their colors.
+/// The largest error of a coordinate. Expects that the order of the points, which of them are finite, and the colors of
+/// the finite ones are the same.
 double largest_error(const Cloud& decoded, const Cloud& cloud) {
   EXPECT_EQ(decoded.width, cloud.width);
   EXPECT_EQ(decoded.height, cloud.height);
@@ -70,7 +71,7 @@ TEST(Quantised, NoCoordinateIsFartherThanTheBound) {
   }
 }
 
-/// Coordinates at and next to the borders of cells, where rounding can go wrong.
+/// Tests coordinates at and next to the borders of cells, where rounding can go wrong.
 TEST(Quantised, TheBoundHoldsAtTheBordersOfCells) {
   constexpr double kBound = 0.0001;
   Cloud cloud;
@@ -96,7 +97,7 @@ TEST(Quantised, APointInFrontOfTheCameraStaysThere) {
   for (const float z : decoded->cloud.z) EXPECT_GT(z, 0.0F);
 }
 
-TEST(Quantised, CloudsWithAllWithoutAndWithNoPoints) {
+TEST(Quantised, CloudsWhosePointsAreAllFiniteNoneFiniteOrAbsent) {
   for (const bool color : {false, true}) {
     Cloud cloud = random_cloud(1, 31, 3, 1, color, true);
     EXPECT_LE(largest_error(decode_quantised(encode_quantised(cloud, 0.001).value(), {}, {}).value().cloud, cloud),
@@ -109,7 +110,7 @@ TEST(Quantised, CloudsWithAllWithoutAndWithNoPoints) {
   }
 }
 
-/// The example of QUANTISED.md, byte by byte.
+/// Checks the example of core/codec/quantised/FORMAT.md byte by byte.
 TEST(Quantised, LayoutIsTheDocumentedOne) {
   Cloud cloud;
   cloud.x = {0.0F, NAN, 0.002F};
@@ -130,7 +131,8 @@ TEST(Quantised, LayoutIsTheDocumentedOne) {
   EXPECT_EQ(bound, 0.001);
   EXPECT_LT(step, 0.002);
   EXPECT_GT(step, 0.0019995);
-  // Cells: x 0, 1; y 0, -2 (just below -1); z 500, 500. Zigzag of the differences: 0, 2; 0, 3; 1000, 0.
+  // The cells are x 0, 1; y 0, -2 (the position is just below -1); z 500, 500. The zigzag differences are x 0, 2; y 0,
+  // 3; z 1000, 0.
   EXPECT_EQ(zstd_decompress(bytes.substr(40), 15).value(), std::string("\x05"
                                                                        "\x00\x02"
                                                                        "\x00\x03"
@@ -145,7 +147,7 @@ TEST(Quantised, LayoutIsTheDocumentedOne) {
   EXPECT_EQ(decoded.rgb, (std::vector<std::uint32_t>{0x102030, 0, 0x112033}));
 }
 
-TEST(Quantised, WhatCannotBeKeptIsSaid) {
+TEST(Quantised, BoundsThatCannotBeKeptAreRefused) {
   const Cloud cloud = random_cloud(1, 10, 1, 1, false);
   for (const double bound : {0.0, 0.00009, 0.011, -0.001, double{NAN}}) {
     expect_fault(encode_quantised(cloud, bound).status(), "is not in [0.0001, 0.01] m");
@@ -181,7 +183,7 @@ TEST(Quantised, LyingHeadersAreRefusedBeforeAllocation) {
   header.finite = 2'000'000;
   expect_fault(fault(), "the frame declares 0 bytes, not the claimed 30000000");
   header.finite = 100;
-  expect_fault(fault(std::string(250'000 + 1500, '\0')), "the bitmap does not have 100 of 2000000 points");
+  expect_fault(fault(std::string(250'000 + 1500, '\0')), "the bitmap does not mark 100 of 2000000 points");
   header.width = header.finite = 1;
   header.planes = {1, 5, 1};
   expect_fault(fault(), "5 byte planes");
@@ -189,7 +191,7 @@ TEST(Quantised, LyingHeadersAreRefusedBeforeAllocation) {
   expect_fault(fault(), "0 byte planes");
   header.planes = {1, 1, 1};
   header.step = 0.0021;
-  expect_fault(fault(), "a step of 0.0021 m does not suit");
+  expect_fault(fault(), "a step of 0.0021 m is not once to twice the error bound of 0.001 m");
   header.step = NAN;
   expect_fault(fault(), "a step of nan m");
   header.error_bound = 1;
@@ -200,7 +202,7 @@ TEST(Quantised, OtherVersionsAndReservedBitsAreRefused) {
   const std::string good = encode_quantised(random_cloud(1, 5, 1, 1, true), 0.001).value();
   std::string bytes = good;
   bytes[4] = 2;
-  expect_fault(decode_quantised(bytes, {}, {}).status(), "version 2; only 1 is known");
+  expect_fault(decode_quantised(bytes, {}, {}).status(), "it has version 2, but only 1 can be read");
   for (const std::size_t reserved : {6U, 7U, 23U}) {
     bytes = good;
     bytes[reserved] = static_cast<char>(bytes[reserved] | 0x40);

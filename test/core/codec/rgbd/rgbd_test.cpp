@@ -19,7 +19,7 @@ namespace {
 
 constexpr Intrinsics kCamera{.fx = 50, .fy = 40, .cx = 4.5, .cy = 3};
 
-/// Depths in millimeters, a hole in every fifth pixel.
+/// Depths in millimeters. Every fifth pixel is 0.
 std::vector<std::uint16_t> depth_of(const ImageSize& size) {
   std::vector<std::uint16_t> depth(size.pixels());
   for (std::size_t i = 0; i < depth.size(); ++i) depth[i] = i % 5 == 2 ? 0 : static_cast<std::uint16_t>(900 + 7 * i);
@@ -87,7 +87,7 @@ TEST(Rgbd, WithoutColor) {
   EXPECT_FALSE(cloud->has_color());
 }
 
-TEST(Rgbd, JpegIsNearlyTheColor) {
+TEST(Rgbd, JpegColorsAreNearlyTheSame) {
   ColorImage image{{16, 16}, std::vector<std::uint8_t>(std::size_t{3} * 16 * 16, 0)};
   for (std::size_t i = 0; i < image.rgb.size(); i += 3) image.rgb[i] = 200, image.rgb[i + 1] = 100;
   const auto cloud = decode(depth_png({16, 16}), encode_jpeg(image, 90).value());
@@ -99,7 +99,7 @@ TEST(Rgbd, JpegIsNearlyTheColor) {
   }
 }
 
-TEST(Rgbd, AnyKindOfPngIsAColor) {
+TEST(Rgbd, ColorsAreReadFromEveryKindOfPng) {
   const std::vector<std::uint8_t> gray{10, 20, 30, 40};
   const auto from_gray = decode_png_color(png_file(2, 2, PNG_FORMAT_GRAY, gray.data()), {});
   ASSERT_TRUE(from_gray.ok()) << from_gray.status();
@@ -116,10 +116,11 @@ TEST(Rgbd, AnyKindOfPngIsAColor) {
 
 TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
   expect_fault(decode("", color_png()).status(), "depth: PNG: the bytes do not begin with a PNG signature");
-  expect_fault(decode(color_png(), color_png()).status(), "color type 2 with 8 bits; needed is gray (0) with 16 bits");
-  expect_fault(decode(depth_png(), "GIF89a").status(), "color: neither PNG nor JPEG");
+  expect_fault(decode(color_png(), color_png()).status(),
+               "color type 2 with 8 bits, but must be gray (0) with 16 bits");
+  expect_fault(decode(depth_png(), "GIF89a").status(), "color: the bytes are neither PNG nor JPEG");
   expect_fault(decode(depth_png(), color_png({9, 7})).status(),
-               "the color image has 9 x 7 pixels, the depth image 10 x 7");
+               "the color image has 9 x 7 pixels, but the depth image has 10 x 7");
   const std::string depth = depth_png();
   expect_fault(decode_rgbd({depth, "", 0.001, {.fx = 0, .fy = NAN, .cx = INFINITY, .cy = 0}}, {}).status(),
                "fx is 0, which is not a finite number above 0; fy is nan, which is not a finite number above 0; "
@@ -129,7 +130,7 @@ TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
   }
 }
 
-/// IHDR's numbers are big endian, after signature, length and name.
+/// The PNG with another size in its IHDR, whose big-endian numbers follow the signature, the length and the name.
 std::string with_size(std::string png, std::uint32_t width, std::uint32_t height) {
   for (unsigned i = 0; i < 4; ++i) {
     png[16 + i] = static_cast<char>(width >> (24 - 8 * i));
@@ -142,8 +143,8 @@ TEST(Rgbd, LyingSizesAreRefusedBeforeAllocation) {
   expect_over_limit(decode(with_size(depth_png(), 0x7fffffff, 0x7fffffff), "").status(), "max_points",
                     "depth: 2147483647 x 2147483647 pixels exceed the limit");
   expect_over_limit(decode(depth_png(), with_size(color_png(), 100'000, 100'000)).status(), "max_points", "color: ");
-  expect_fault(decode(with_size(depth_png(), 0, 7), "").status(), "0 x 7 pixels are no size");
-  expect_fault(decode(with_size(depth_png(), 0x80000000U, 1), "").status(), "are no size");
+  expect_fault(decode(with_size(depth_png(), 0, 7), "").status(), "0 x 7 pixels are not the size of an image");
+  expect_fault(decode(with_size(depth_png(), 0x80000000U, 1), "").status(), "are not the size of an image");
   expect_over_limit(decode(depth_png(), "", {.max_points = 69}).status(), "max_points", "10 x 7 pixels");
   expect_over_limit(decode(depth_png(), "", {.max_bytes = 1000}).status(), "max_bytes", "of 16 bytes exceed");
   std::string jpeg = encode_jpeg(colors_of({10, 7}), 90).value();
@@ -169,7 +170,7 @@ TEST(Rgbd, DamageIsRefusedOrDecodedWithinBounds) {
   expect_flips_survived(jpeg, damaged_color);
 }
 
-/// An organized cloud as a camera sees it.
+/// An organized cloud that kCamera sees, with points in front of it.
 Cloud camera_cloud(bool color) {
   const auto cloud = decode(depth_png({20, 15}), color ? color_png({20, 15}) : "");
   EXPECT_TRUE(cloud.ok()) << cloud.status();
@@ -191,7 +192,7 @@ TEST(RgbdEncode, GivesBackTheImagesAndTheCamera) {
   }
 }
 
-TEST(RgbdEncode, TheErrorThatItDeclaresIsTheLargest) {
+TEST(RgbdEncode, TheDeclaredErrorBoundIsTheLargestError) {
   Cloud cloud = camera_cloud(false);
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.z[i] += 0.0004F * static_cast<float>(i % 3);
   const auto files = encode_rgbd(cloud, {.intrinsics = kCamera});
@@ -211,16 +212,16 @@ TEST(RgbdEncode, TheErrorThatItDeclaresIsTheLargest) {
   EXPECT_GT(largest, 0.0001);
 }
 
-TEST(RgbdEncode, RefusesWhatIsNoImage) {
+TEST(RgbdEncode, RefusesCloudsThatAreNotImages) {
   Cloud cloud = camera_cloud(false);
   cloud.view = View::world();
   expect_fault(encode_rgbd(cloud).status(), "only an organized cloud");
   cloud = camera_cloud(false);
   cloud.x[0] += 0.1F;
-  expect_fault(encode_rgbd(cloud).status(), "no image of a pinhole camera");
+  expect_fault(encode_rgbd(cloud).status(), "not the image of a pinhole camera");
   expect_fault(encode_rgbd(camera_cloud(false), {.depth_scale = 0.00001}).status(), "does not fit into 1 to 65535");
   for (float& x : cloud.x) x = NAN;
-  expect_fault(encode_rgbd(cloud).status(), "the points do not tell the camera");
+  expect_fault(encode_rgbd(cloud).status(), "the points do not determine the camera");
 }
 
 }  // namespace

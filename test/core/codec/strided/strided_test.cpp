@@ -41,7 +41,7 @@ TEST(Strided, ReadsBigEndian) {
   expect_same_points(*read, sample.cloud);
 }
 
-/// As a depth camera of ROS sends it: points of 32 bytes with gaps, rows padded, a field that we do not know.
+/// A layout that depth cameras of ROS send: points of 32 bytes with gaps, padded rows, and a field without a meaning.
 TEST(Strided, ReadsTheLayoutOfADepthCamera) {
   const StridedLayout layout{.width = 2,
                              .height = 2,
@@ -57,7 +57,7 @@ TEST(Strided, ReadsTheLayoutOfADepthCamera) {
   for (std::uint32_t i = 0; i < 4; ++i) {
     char* point = data.data() + i / 2 * 70 + i % 2 * 32;
     const float xyz[] = {1.0F + static_cast<float>(i), 2.0F, 3.0F};
-    const std::uint32_t argb = 0xff102030U + i;  // its float is a NaN
+    const std::uint32_t argb = 0xff102030U + i;  // As a float it is a NaN.
     std::memcpy(point, xyz, sizeof(xyz));
     std::memcpy(point + 16, &argb, sizeof(argb));
   }
@@ -126,7 +126,7 @@ std::vector<Fault> faults() {
   add("field 'x' has datatype 7 and count 2", [](auto& l) { l.fields[0].count = 2; });
   add("field 'rgb' has datatype 2", [](auto& l) { l.fields[3].datatype = Type::kUint8; });
   add("the fields x, y and z must be there", [](auto& l) { l.fields[1].name = "v"; });
-  add("'x' is there twice", [](auto& l) { l.fields[3].name = "x"; });
+  add("'x' occurs twice", [](auto& l) { l.fields[3].name = "x"; });
   add("row_step 63 is less than 4 points of point_step 16", [](auto& l) { l.row_step = 63; });
   add("row_step 64 is less than 4294967295 points", [](auto& l) { l.width = 0xffffffffU, l.height = 0; });
   add("65 fields; at most 64", [](auto& l) { l.fields.resize(65, l.fields[3]); });
@@ -155,7 +155,7 @@ TEST(Strided, DataMustHaveTheSizeOfTheLayout) {
   expect_fault(decode_strided(strided.layout, strided.data + " ", View::camera(), {}).status(), "129 bytes");
 }
 
-TEST(Strided, LimitsAreNamedBeforeThereAreAnyData) {
+TEST(Strided, LimitsAreNamedBeforeThereIsAnyData) {
   StridedLayout layout = encode_strided(make_sample(1, 4, 2, true, false).cloud).layout;
   expect_over_limit(check_layout(layout, {.max_points = 7}), "max_points", "8 points exceed the limit of 7");
   expect_over_limit(check_layout(layout, {.max_bytes = 127}), "max_bytes", "exceed the limit of 127 bytes");

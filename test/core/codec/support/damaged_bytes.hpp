@@ -15,10 +15,10 @@
 
 namespace segserve::codec {
 
-/// What damaged bytes may ask for: far less than would hurt, far more than the samples need.
+/// Limits for damaged bytes. They are far above what the samples need, and far below what would do harm.
 inline constexpr DecodeLimits kDamageLimits{.max_points = 100'000, .max_bytes = 2'000'000};
 
-/// A decoder of damaged bytes says INVALID_ARGUMENT or gives a cloud within the limits whose planes fit each other.
+/// Expects INVALID_ARGUMENT, or a cloud within the limits whose planes fit each other.
 inline void expect_sound(const absl::StatusOr<Cloud>& cloud) {
   if (!cloud.ok()) {
     ASSERT_EQ(cloud.status().code(), absl::StatusCode::kInvalidArgument) << cloud.status();
@@ -32,7 +32,8 @@ inline void expect_sound(const absl::StatusOr<Cloud>& cloud) {
   ASSERT_TRUE(cloud->rgb.empty() || cloud->rgb.size() == cloud->size());
 }
 
-/// No truncated payload is taken for a whole one. Each is an allocation of its own, so that ASan sees a read beyond it.
+/// Expects that each truncation of `bytes` is refused. Each is an allocation of its own, so that ASan sees a read
+/// beyond it.
 template <typename Decode>
 void expect_truncations_refused(const std::string& bytes, Decode decode) {
   for (std::size_t size = 0; size < bytes.size(); ++size) {
@@ -42,7 +43,7 @@ void expect_truncations_refused(const std::string& bytes, Decode decode) {
   EXPECT_TRUE(decode(bytes).ok());
 }
 
-/// Every byte, changed in several ways, one at a time.
+/// Changes every byte in several ways, one at a time, and expects a sound result of each.
 template <typename Decode>
 void expect_flips_survived(const std::string& bytes, Decode decode) {
   for (std::size_t at = 0; at < bytes.size(); ++at) {

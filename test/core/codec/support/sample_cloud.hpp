@@ -21,13 +21,14 @@
 
 namespace segserve::codec {
 
-/// A cloud as files hold them, with the values that are easily lost: NaN, infinities, denormals,
-/// negative zero, colors whose packed float is a NaN.
+/// A cloud with values that are easily lost in files: NaN, infinities, denormals, negative zero, and colors whose
+/// packed float is a NaN.
 struct Sample {
   Cloud cloud;
   std::vector<std::uint32_t> label;
 };
 
+/// A random cloud, with labels if `label` is set.
 inline Sample make_sample(std::uint32_t seed, std::uint32_t width, std::uint32_t height, bool color, bool label) {
   std::mt19937 random(seed);
   const std::vector<float> odd{std::numeric_limits<float>::quiet_NaN(),
@@ -58,7 +59,7 @@ inline Sample make_sample(std::uint32_t seed, std::uint32_t width, std::uint32_t
 
 inline std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
-/// The bits of each float, with one NaN for all: that is what a lossless file keeps.
+/// The bits of each float. All NaNs are the same one, because lossless files need not keep more.
 inline std::vector<std::uint32_t> bits(std::span<const float> values) {
   std::vector<std::uint32_t> out;
   for (const float v : values) out.push_back(std::isnan(v) ? 0x7fc00000U : std::bit_cast<std::uint32_t>(v));
@@ -80,7 +81,7 @@ inline void expect_fault(const absl::Status& status, std::string_view words) {
   EXPECT_THAT(message, testing::Not(testing::HasSubstr("\n")));
 }
 
-/// The same for an exceeded limit, which callers can tell from damage.
+/// Expects, besides, that callers can tell from the status which limit was exceeded.
 inline void expect_over_limit(const absl::Status& status, std::string_view limit, std::string_view words) {
   expect_fault(status, words);
   const auto excess = limit_excess(status);
