@@ -4,14 +4,17 @@
 #include <chrono>
 #include <utility>
 
+#include "core/base/exception_status.hpp"
 #include "core/base/status_macros.hpp"
 #include "proto/wire/result_message.hpp"
 #include "segserve/segment.hpp"
 
 namespace segserve::client {
 
-absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::string& view_rule, const Options& options,
-                                          const wire::Outputs& outputs, const StopToken& stop) {
+namespace {
+
+absl::StatusOr<wire::Result> segment_cloud(const CloudView& cloud, const std::string& view_rule, const Options& options,
+                                           const wire::Outputs& outputs, const StopToken& stop) {
   ASSIGN_OR_RETURN(Segmentation segmentation, segment(cloud, options, stop));
   if (outputs.segments) RETURN_IF_ERROR(describe(cloud, options.threads, stop, segmentation));
   const double total = segmentation.timings.total;
@@ -21,15 +24,35 @@ absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::str
   return result;
 }
 
-absl::StatusOr<wire::Result> segment_here(const Payload& payload, const Options& options, const wire::Outputs& outputs,
-                                          const StopToken& stop) {
+absl::StatusOr<wire::Result> segment_payload(const Payload& payload, const Options& options,
+                                             const wire::Outputs& outputs, const StopToken& stop) {
   const auto start = std::chrono::steady_clock::now();
   ASSIGN_OR_RETURN(const codec::LabelledCloud scene, decode(payload, stop));
   const double decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  ASSIGN_OR_RETURN(wire::Result result, segment_here(scene.cloud, scene.view_rule, options, outputs, stop));
+  ASSIGN_OR_RETURN(wire::Result result, segment_cloud(scene.cloud, scene.view_rule, options, outputs, stop));
   result.timings.decode = decode_ms;
   result.timings.total += decode_ms;
   return result;
+}
+
+}  // namespace
+
+absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::string& view_rule, const Options& options,
+                                          const wire::Outputs& outputs, const StopToken& stop) {
+  try {
+    return segment_cloud(cloud, view_rule, options, outputs, stop);
+  } catch (...) {
+    return exception_status("segment the cloud in this process");
+  }
+}
+
+absl::StatusOr<wire::Result> segment_here(const Payload& payload, const Options& options, const wire::Outputs& outputs,
+                                          const StopToken& stop) {
+  try {
+    return segment_payload(payload, options, outputs, stop);
+  } catch (...) {
+    return exception_status("segment the cloud in this process");
+  }
 }
 
 }  // namespace segserve::client

@@ -13,7 +13,8 @@
 namespace segserve::client {
 
 /// Segments a cloud in this process as a server would. The result holds all arrays, and the statistics of the segments
-/// if `outputs` asks for them. `view_rule` says why the cloud has its view. Fails as segserve::segment does.
+/// if `outputs` asks for them. `view_rule` says why the cloud has its view. Fails as segserve::segment does, and
+/// turns exceptions into RESOURCE_EXHAUSTED (no memory) or INTERNAL.
 absl::StatusOr<wire::Result> segment_here(const CloudView& cloud, const std::string& view_rule, const Options& options,
                                           const wire::Outputs& outputs, const StopToken& stop);
 

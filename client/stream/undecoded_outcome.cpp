@@ -6,16 +6,28 @@
 #include <utility>
 
 #include "client/calls/answer.hpp"
+#include "core/base/exception_status.hpp"
 #include "proto/wire/result_message.hpp"
 
 namespace segserve::client {
+namespace {
+
+absl::StatusOr<Result> decode_result(const UndecodedOutcome& undecoded) {
+  const std::size_t points = undecoded.points != 0 ? undecoded.points : undecoded.message.summary().points();
+  try {
+    return check_answer(wire::from_message(undecoded.message, points), undecoded.outputs);
+  } catch (...) {
+    return exception_status("decode the result");
+  }
+}
+
+}  // namespace
 
 Outcome decode(UndecodedOutcome undecoded) {
   Outcome outcome = std::move(undecoded.outcome);
   if (outcome.kind != OutcomeKind::kResult || outcome.result) return outcome;
   const Time start = Clock::now();
-  const std::size_t points = undecoded.points != 0 ? undecoded.points : undecoded.message.summary().points();
-  auto result = check_answer(wire::from_message(undecoded.message, points), undecoded.outputs);
+  auto result = decode_result(undecoded);
   outcome.report.decode_ms = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
   if (result.ok()) {
     outcome.result = *std::move(result);

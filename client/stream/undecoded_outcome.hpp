@@ -17,7 +17,8 @@ struct UndecodedOutcome {
   wire::Outputs outputs;           ///< what the frame asked for
 };
 
-/// The outcome as the application gets it. It becomes kFailed, INTERNAL, if the server's result is broken.
+/// The outcome as the application gets it. It becomes kFailed with INTERNAL if the server's result is broken, and with
+/// RESOURCE_EXHAUSTED if there is not enough memory for it.
 Outcome decode(UndecodedOutcome undecoded);
 
 }  // namespace segserve::client

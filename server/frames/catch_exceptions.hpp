@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <exception>
+#include <string>
 
 #include "absl/status/status.h"
+#include "core/base/exception_status.hpp"
 #include "spdlog/spdlog.h"
 
 namespace segserve::server {
@@ -15,10 +16,9 @@ template <typename Function>
 auto catch_exceptions(Function&& function) -> decltype(function()) {
   try {
     return function();
-  } catch (const std::exception& error) {
-    spdlog::error("a frame failed with an exception: {}", error.what());
   } catch (...) {
-    spdlog::error("a frame failed with an exception of an unknown type");
+    const absl::Status status = exception_status("process a frame");
+    spdlog::error(std::string(status.message()));
   }
   return absl::InternalError("the server failed to process this frame; its log says more");
 }
