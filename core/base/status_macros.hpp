@@ -21,7 +21,9 @@
 
 #define SEGSERVE_CONCATENATE_IMPL(a, b) a##b
 #define SEGSERVE_CONCATENATE(a, b) SEGSERVE_CONCATENATE_IMPL(a, b)
+// NOLINTBEGIN(bugprone-macro-parentheses): a declaration in parentheses is none.
 #define SEGSERVE_ASSIGN_OR_RETURN_IMPL(result, target, expression) \
   auto result = (expression);                                      \
   if (!result.ok()) return std::move(result).status();             \
   target = *std::move(result)
+// NOLINTEND(bugprone-macro-parentheses)

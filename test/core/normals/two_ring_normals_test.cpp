@@ -14,35 +14,36 @@
 namespace segserve {
 namespace {
 
-struct Normals {
+struct TwoRing {
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
 };
 
-Normals normals_of(const Cloud& cloud, std::uint32_t threads = 1) {
+TwoRing two_ring_normals_of(const Cloud& cloud, std::uint32_t threads = 1) {
   const test::TestFrame frame(cloud, {.voxel_resolution = 0.01, .threads = threads});
-  Normals n;
+  TwoRing n;
   EXPECT_TRUE(Voxelization().run(frame, n.grid).ok());
   EXPECT_TRUE(find_adjacency(frame, n.grid, n.adjacency).ok());
   EXPECT_TRUE(TwoRingNormals().run(frame, n.grid, n.adjacency, n.normals).ok());
   return n;
 }
 
-int axis(VoxelKey key, int axis) {
+int signed_coordinate(VoxelKey key, int axis) {
   return static_cast<int>(key >> (axis * kCellBits) & ((1U << kCellBits) - 1)) - kCellBias;
 }
 
 TEST(Adjacency, EqualsComparingAllPairs) {
   // The cloud is dense enough for all 26 neighbors, and around the origin, so that coordinates of cells change sign.
-  const auto [grid, adjacency, normals] = normals_of(test::random_cloud(3000, 0.12F, 0, View::world()));
+  const auto [grid, adjacency, normals] = two_ring_normals_of(test::random_cloud(3000, 0.12F, 0, View::world()));
   ASSERT_EQ(adjacency.offset.size(), grid.size() + 1);
   std::size_t most = 0;
   for (std::uint32_t v = 0; v < grid.size(); ++v) {
     std::vector<std::uint32_t> expected;
     for (std::uint32_t u = 0; u < grid.size(); ++u) {
       bool near = u != v;
-      for (int a = 0; a < 3; ++a) near = near && std::abs(axis(grid.key[v], a) - axis(grid.key[u], a)) <= 1;
+      for (int a = 0; a < 3; ++a)
+        near = near && std::abs(signed_coordinate(grid.key[v], a) - signed_coordinate(grid.key[u], a)) <= 1;
       if (near) expected.push_back(u);
     }
     const auto neighbors = adjacency.of(v);
@@ -53,7 +54,7 @@ TEST(Adjacency, EqualsComparingAllPairs) {
 }
 
 TEST(TwoRingNormals, FitTheTwoRingsAsOftenAsPathsLeadThere) {
-  const Normals n = normals_of(test::random_cloud(400, 0.12F, 0, View::world(0.1F, 0.2F, 3)));
+  const TwoRing n = two_ring_normals_of(test::random_cloud(400, 0.12F, 0, View::world(0.1F, 0.2F, 3)));
   const VoxelGrid& grid = n.grid;
   const std::vector<Vec3>& normals = n.normals;
   for (std::uint32_t v = 0; v < grid.size(); ++v) {
@@ -90,7 +91,7 @@ TEST(TwoRingNormals, AreUndefinedOnlyWhereNoPlaneIs) {
   test::add(cloud, 5, 5, 5, 0);                                                                              // alone
   for (int i = 0; i < 30; ++i) test::add(cloud, 0.01F * static_cast<float>(i) + 0.005F, 0.005F, 0.005F, 0);  // a line
   test::add_patch(cloud, 1, 1, 0.005F, 0.2F, 0.005F, 0);
-  const auto [grid, adjacency, normals] = normals_of(cloud);
+  const auto [grid, adjacency, normals] = two_ring_normals_of(cloud);
   for (std::size_t v = 0; v < grid.size(); ++v) {
     const bool on_patch = grid.centroid[v].x > 0.9 && grid.centroid[v].x < 2;
     EXPECT_NEAR(norm(normals[v]), on_patch ? 1 : 0, 1e-9);
@@ -110,13 +111,13 @@ TEST(TwoRingNormals, AreConsistentWithoutASensor) {
                 0);
     }
   }
-  const auto [grid, adjacency, normals] = normals_of(cloud);
+  const auto [grid, adjacency, normals] = two_ring_normals_of(cloud);
   for (std::size_t v = 0; v < grid.size(); ++v) EXPECT_GT(dot(normals[v], unit(grid.centroid[v])), 0.8);
 }
 
 TEST(TwoRingNormals, DoNotDependOnThreads) {
   const Cloud cloud = test::random_cloud(3000, 0.3F, 1, View::camera());
-  EXPECT_EQ(normals_of(cloud, 1).normals, normals_of(cloud, 5).normals);
+  EXPECT_EQ(two_ring_normals_of(cloud, 1).normals, two_ring_normals_of(cloud, 5).normals);
 }
 
 }  // namespace

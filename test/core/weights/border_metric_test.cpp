@@ -17,31 +17,31 @@
 namespace segserve {
 namespace {
 
-constexpr Vec3 kUp{0, 0, 1};
+constexpr Vec3 kFlat{0, 0, 1};
 
 /// A unit vector in the x-z plane, `degrees` from up towards +x.
 Vec3 tilted(double degrees) { return {math::sin(degrees * math::kDegree), 0, math::cos(degrees * math::kDegree)}; }
 
 TEST(IsCut, KeepsAPlaneTogether) {
-  EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0.03, 0, 0}, kUp, 0.0075, 0.03));
-  EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0, 0, 0}, kUp, 0.0075, 0.03));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, 0}, kFlat, 0.0075, 0.03));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0, 0, 0}, kFlat, 0.0075, 0.03));
 }
 
 TEST(IsCut, KeepsAConvexFoldAndCutsAConcaveOne) {
   // First the top of a box and its right side, then a floor and a wall to its right.
-  EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0.015, 0, -0.015}, tilted(90), 0.0075, 0.03));
-  EXPECT_TRUE(is_cut({0, 0, 0}, kUp, {0.015, 0, 0.015}, tilted(-90), 0.0075, 0.03));
-  EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0.03, 0, 0.001}, tilted(-8), 0.0075, 0.03)) << "hardly concave";
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.015, 0, -0.015}, tilted(90), 0.0075, 0.03));
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.015, 0, 0.015}, tilted(-90), 0.0075, 0.03));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, 0.001}, tilted(-8), 0.0075, 0.03)) << "hardly concave";
 }
 
 TEST(IsCut, CutsAStep) {
-  EXPECT_TRUE(is_cut({0, 0, 0}, kUp, {0.02, 0, -0.02}, kUp, 0.0075, 0.03));
-  EXPECT_FALSE(is_cut({0, 0, 0}, kUp, {0.03, 0, -0.0005}, kUp, 0.0075, 0.03)) << "within a tenth of a voxel";
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.02, 0, -0.02}, kFlat, 0.0075, 0.03));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, -0.0005}, kFlat, 0.0075, 0.03)) << "within a tenth of a voxel";
 }
 
 TEST(IsCut, CutsWhereTheLineOfCentroidsRunsAlongTheFold) {
   // The fold is convex, but the regions lie side by side along it.
-  EXPECT_TRUE(is_cut({0, 0, 0}, kUp, {0.001, 0.03, 0}, tilted(60), 0.0075, 0.03));
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.001, 0.03, 0}, tilted(60), 0.0075, 0.03));
 }
 
 RegionGraph regions(const std::vector<double>& areas) {

@@ -20,7 +20,7 @@ class Draco : public testing::Test {
 };
 
 /// Random points within +-`range` meters. About one in seven is not finite unless `all_finite` is set.
-Cloud random_cloud(std::uint32_t seed, std::uint32_t width, float range, bool color, bool all_finite) {
+Cloud random_row(std::uint32_t seed, std::uint32_t width, float range, bool color, bool all_finite) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> coordinate(-range, range);
   Cloud cloud;
@@ -46,7 +46,7 @@ TEST_F(Draco, KeepsOrderColorsAndTheBound) {
     for (const float range : {0.5F, 10.0F, 100.0F}) {
       for (const bool color : {false, true}) {
         ++seed;
-        const Cloud cloud = random_cloud(seed, 3000, range, color, seed % 3 == 0);
+        const Cloud cloud = random_row(seed, 3000, range, color, seed % 3 == 0);
         const auto file = encode_draco(cloud, bound);
         ASSERT_TRUE(file.ok()) << file.status();
         const auto decoded = decode(*file, 3000);
@@ -68,7 +68,7 @@ TEST_F(Draco, KeepsOrderColorsAndTheBound) {
 }
 
 TEST_F(Draco, ACloudWithoutFinitePointsIsOnlyABitmap) {
-  Cloud cloud = random_cloud(1, 20, 1, true, true);
+  Cloud cloud = random_row(1, 20, 1, true, true);
   for (float& z : cloud.z) z = NAN;
   const DracoFile file = encode_draco(cloud, 0.001).value();
   EXPECT_TRUE(file.data.empty());
@@ -77,18 +77,18 @@ TEST_F(Draco, ACloudWithoutFinitePointsIsOnlyABitmap) {
 }
 
 TEST_F(Draco, BoundsThatCannotBeKeptAreRefused) {
-  const Cloud cloud = random_cloud(1, 20, 1000, false, true);
+  const Cloud cloud = random_row(1, 20, 1000, false, true);
   expect_fault(encode_draco(cloud, 0.00001).status(), "cannot be kept within 1e-05 m");
   expect_fault(encode_draco(cloud, 0).status(), "is not above 0");
 }
 
 TEST_F(Draco, IsRefusedUnlessEnabled) {
-  const DracoFile file = encode_draco(random_cloud(1, 20, 1, true, false), 0.001).value();
+  const DracoFile file = encode_draco(random_row(1, 20, 1, true, false), 0.001).value();
   EXPECT_EQ(decode(file, 20, {}).status().code(), absl::StatusCode::kFailedPrecondition);
 }
 
 TEST_F(Draco, ClaimsAreCheckedBeforeDracoSeesThem) {
-  const DracoFile good = encode_draco(random_cloud(1, 20, 1, true, true), 0.001).value();
+  const DracoFile good = encode_draco(random_row(1, 20, 1, true, true), 0.001).value();
   const auto with = [&](std::size_t at, char byte) {
     DracoFile file = good;
     file.data[at] = byte;
@@ -111,7 +111,7 @@ TEST_F(Draco, ClaimsAreCheckedBeforeDracoSeesThem) {
 }
 
 TEST_F(Draco, DamageIsRefusedOrDecodedWithinBounds) {
-  const DracoFile file = encode_draco(random_cloud(1, 30, 1, true, true), 0.001).value();
+  const DracoFile file = encode_draco(random_row(1, 30, 1, true, true), 0.001).value();
   const auto decode_bytes = [](const std::string& bytes) { return decode({bytes, ""}, 30); };
   expect_truncations_refused(file.data, decode_bytes);
   expect_flips_survived(file.data, decode_bytes);

@@ -15,7 +15,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-SyntheticScene make(const RoomOptions& options) {
+SyntheticScene make_room(const RoomOptions& options) {
   auto scene = make_fused_room(options);
   EXPECT_TRUE(scene.ok()) << scene.status();
   return *std::move(scene);
@@ -23,14 +23,15 @@ SyntheticScene make(const RoomOptions& options) {
 
 // See TabletopTest.GoldenChecksum.
 TEST(FusedRoomTest, GoldenChecksum) {
-  EXPECT_EQ(checksum(make({.points = 50000})), 15799403824969860548U);
-  EXPECT_EQ(checksum(make({.seed = 4, .points = 30000, .size = 1.5, .objects = 30, .noise = 2})), 7925495342641705968U);
+  EXPECT_EQ(checksum(make_room({.points = 50000})), 15799403824969860548U);
+  EXPECT_EQ(checksum(make_room({.seed = 4, .points = 30000, .size = 1.5, .objects = 30, .noise = 2})),
+            7925495342641705968U);
 }
 
 class RoomPointsTest : public testing::TestWithParam<std::uint32_t> {};
 
 TEST_P(RoomPointsTest, HasExactlyThePointsAskedFor) {
-  const SyntheticScene scene = make({.seed = 3, .points = GetParam()});
+  const SyntheticScene scene = make_room({.seed = 3, .points = GetParam()});
   EXPECT_EQ(scene.cloud.size(), GetParam());
   EXPECT_EQ(scene.label.size(), GetParam());
   EXPECT_EQ(scene.cloud.height, 1U);
@@ -39,7 +40,7 @@ TEST_P(RoomPointsTest, HasExactlyThePointsAskedFor) {
 INSTANTIATE_TEST_SUITE_P(Points, RoomPointsTest, testing::Values(1000U, 12345U, 100000U, 1000003U));
 
 TEST(FusedRoomTest, IsARoomOfFinitePointsAroundItsSensor) {
-  const SyntheticScene scene = make({.points = 100000});
+  const SyntheticScene scene = make_room({.points = 100000});
   ASSERT_EQ(scene.cloud.view.kind, ViewKind::kWorld);
   ASSERT_TRUE(scene.cloud.view.sensor.has_value());
   EXPECT_NEAR((*scene.cloud.view.sensor)[2], 1.45, 0.3);
@@ -53,7 +54,7 @@ TEST(FusedRoomTest, IsARoomOfFinitePointsAroundItsSensor) {
 
 TEST(FusedRoomTest, EveryWallTheFloorAndFurnitureAreSeen) {
   std::map<std::uint32_t, std::size_t> points;
-  for (const std::uint32_t label : make({.points = 200000}).label) ++points[label];
+  for (const std::uint32_t label : make_room({.points = 200000}).label) ++points[label];
   for (std::uint32_t label = 1; label <= 5; ++label) EXPECT_GT(points[label], 5000U) << label;
   std::size_t objects = 0;
   for (const auto& [label, n] : points) {
@@ -66,8 +67,8 @@ TEST(FusedRoomTest, EveryWallTheFloorAndFurnitureAreSeen) {
 
 // One surface: without noise the floor's points lie in the floor, and no cell of the spacing holds many.
 TEST(FusedRoomTest, ViewsAreFusedIntoOneThinSurface) {
-  const SyntheticScene perfect = make({.points = 100000, .noise = 0});
-  const SyntheticScene noisy = make({.points = 100000});
+  const SyntheticScene perfect = make_room({.points = 100000, .noise = 0});
+  const SyntheticScene noisy = make_room({.points = 100000});
   double squares = 0;
   std::size_t floor = 0;
   for (std::size_t i = 0; i < noisy.label.size(); ++i) {
@@ -91,7 +92,7 @@ TEST(FusedRoomTest, ViewsAreFusedIntoOneThinSurface) {
 TEST(FusedRoomTest, FurnitureGrowsWithTheFloor) {
   const auto objects = [](double size) {
     std::unordered_set<std::uint32_t> labels;
-    for (const std::uint32_t label : make({.points = 100000, .size = size, .objects = 0}).label) {
+    for (const std::uint32_t label : make_room({.points = 100000, .size = size, .objects = 0}).label) {
       if (label >= 20) labels.insert(label);
     }
     return labels.size();
