@@ -2,6 +2,7 @@
 #include "proto/wire/integers_message.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -31,6 +32,9 @@ absl::StatusOr<std::vector<std::uint32_t>> from_message(const v1::IntegerArray& 
   const std::uint32_t width = message.bytes_per_value();
   if (width != 1 && width != 2 && width != 4) {
     return malformed(fmt::format("{}: {} bytes per value, but only 1, 2 and 4 exist", name, width));
+  }
+  if (count > std::numeric_limits<std::uint64_t>::max() / width) {
+    return malformed(fmt::format("{}: {} values of {} bytes do not fit into any memory", name, count, width));
   }
   std::string buffer;
   const absl::StatusOr<std::string_view> bytes = block_bytes(message.data(), count * width, name, buffer);

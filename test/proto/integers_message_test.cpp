@@ -39,5 +39,15 @@ TEST(WireIntegers, RefusesWhatDoesNotFit) {
   EXPECT_THAT(error_of(wide, 3, 3), HasSubstr("ids: claims 3 bytes, but must have 6"));
 }
 
+/// Such a count comes from a result whose summary agrees with it, so that only the size of the bytes can refute it.
+TEST(WireIntegers, RefusesACountWhoseBytesOverflow) {
+  constexpr std::uint64_t kCount = (std::uint64_t{1} << 62U) + 1;  // times 4 it is 4
+  v1::IntegerArray message = to_message(std::vector<std::uint32_t>{0xffffffff}, v1::COMPRESSION_NONE).value();
+  message.set_count(kCount);
+  const absl::Status status = from_message(message, kCount, 0xffffffff, "ids").status();
+  EXPECT_EQ(details_of(status).reason, ErrorReason::kMalformedPayload) << status;
+  EXPECT_THAT(std::string(status.message()), HasSubstr("ids: 4611686018427387905 values of 4 bytes"));
+}
+
 }  // namespace
 }  // namespace segserve::wire
