@@ -78,6 +78,14 @@ ErrorReason reason_from_name(std::string_view name) {
   return static_cast<ErrorReason>(found - kReasonNames.begin());
 }
 
+/// The delay, limited to the range from 0 to one day.
+std::chrono::milliseconds read_retry_delay(const google::protobuf::Duration& message) {
+  constexpr std::int64_t kDay = std::int64_t{24} * 60 * 60;
+  const std::int64_t seconds = std::clamp(message.seconds(), -kDay, kDay);
+  const std::int64_t milliseconds = seconds * 1000 + message.nanos() / 1'000'000;
+  return std::chrono::milliseconds(std::clamp(milliseconds, std::int64_t{0}, kDay * 1000));
+}
+
 /// gRPC's text when a message exceeds the receive limit: "Received message larger than max (9 vs. 8)".
 bool is_message_too_large(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED && status.error_details().empty() &&
@@ -137,9 +145,7 @@ ErrorDetails details_of(const absl::Status& status) {
     }
   }
   if (const auto retry = get<google::rpc::RetryInfo>(status)) {
-    constexpr std::int64_t kDay = std::int64_t{24} * 60 * 60;
-    const std::int64_t seconds = std::clamp<std::int64_t>(retry->retry_delay().seconds(), 0, kDay);
-    details.retry_delay = std::chrono::milliseconds(seconds * 1000 + retry->retry_delay().nanos() / 1'000'000);
+    details.retry_delay = read_retry_delay(retry->retry_delay());
   }
   return details;
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/status_message.hpp"
 
+#include <chrono>
+#include <cstdint>
+#include <limits>
 #include <string>
 
 #include "gmock/gmock.h"
@@ -37,6 +40,24 @@ TEST(WireStatus, EveryDetailSurvivesTheWire) {
   EXPECT_EQ(details.fields[0].field, "a.b");
   EXPECT_EQ(details.fields[1].description, "too");
   EXPECT_EQ(details.retry_delay, std::chrono::milliseconds(1500));
+}
+
+TEST(WireStatus, RetryDelaysAreBetweenNothingAndADay) {
+  const auto read = [](std::int64_t seconds, std::int32_t nanos) {
+    google::rpc::RetryInfo retry;
+    retry.mutable_retry_delay()->set_seconds(seconds);
+    retry.mutable_retry_delay()->set_nanos(nanos);
+    google::rpc::Status message;
+    message.set_code(static_cast<int>(absl::StatusCode::kUnavailable));
+    message.add_details()->PackFrom(retry);
+    return details_of(from_message(message)).retry_delay;
+  };
+  using std::chrono::milliseconds;
+  constexpr milliseconds kDay = std::chrono::hours(24);
+  EXPECT_EQ(read(1, 5'000'000), milliseconds(1005));
+  EXPECT_EQ(read(0, -2'000'000'000), milliseconds(0));
+  EXPECT_EQ(read(-5, 999'999'999), milliseconds(0));
+  EXPECT_EQ(read(std::numeric_limits<std::int64_t>::max(), 999'999'999), kDay);
 }
 
 TEST(WireStatus, DetailsAreWhatGoogleRpcReadersExpect) {
