@@ -12,28 +12,31 @@
 
 namespace segserve::wire {
 
-/// Wall times outside the segmentation, milliseconds (v1.Timings says from when to when).
+/// Wall times of a call besides those of the segmentation, milliseconds. The comments of v1.Timings say where each
+/// begins and ends.
 struct CallTimings {
-  double queue = 0;
-  double decode = 0;
-  double encode = 0;
-  double total = 0;
+  double queue = 0;   ///< waiting for a worker; 0 if the result was computed in this process
+  double decode = 0;  ///< decoding of the payload
+  double encode = 0;  ///< encoding of the answer; 0 if the result was computed in this process
+  double total = 0;   ///< everything on the computing side; does not include the network
 };
 
-/// A result as both ends of the wire know it.
+/// The result of one cloud.
 struct Result {
-  /// Arrays that were not asked for are empty. On the client `timings.total` is the sum of its stages.
+  /// If a server computed the result, it holds those of `labels`, `supervoxels`, `tree` and `statistics` that were
+  /// asked for; the others and `supervoxel_normals` are empty, and `timings.total` is the sum of the stages. If it was
+  /// computed in this process, it holds all of these, but `statistics` only if they were asked for.
   Segmentation segmentation;
-  std::size_t points = 0;
-  std::uint32_t supervoxels = 0;
+  std::size_t points = 0;         ///< points of the cloud, finite or not
+  std::uint32_t supervoxels = 0;  ///< number of supervoxels, also if their array was not asked for
   Method method = Method::kBorder;
-  std::optional<std::uint32_t> regions;  ///< the number that was asked for; unset if the cut is at a threshold
-  View view;                             ///< the view that was used
-  std::string view_rule;                 ///< why this view, for people
+  std::optional<std::uint32_t> regions;  ///< Options::regions of the request; unset if the cut is at a threshold
+  View view;                             ///< the view in which the cloud was segmented
+  std::string view_rule;                 ///< one line for people that says why it was this view
   CallTimings timings;
-  std::string server_version;    ///< of the program that segmented
-  std::string options_hash;      ///< 16 hexadecimal digits over all options that decide results
-  bool in_this_process = false;  ///< on the client: computed here, not by a server
+  std::string server_version;    ///< version of the program that computed the result, e.g. "0.1.0"
+  std::string options_hash;      ///< 16 hexadecimal digits; a hash of all options that decide results
+  bool in_this_process = false;  ///< whether the client computed the result, and not a server
 };
 
 }  // namespace segserve::wire
