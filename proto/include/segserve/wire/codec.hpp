@@ -8,25 +8,28 @@
 
 namespace segserve::wire {
 
-/// The ways in which a cloud can be sent. Receivers tell them from the message.
+/// How a cloud is encoded when it is sent. A receiver sees from the message which codec was used. Every codec keeps the
+/// order of the points and which of them are finite.
 enum class Codec : std::uint8_t {
-  kPlanar,       ///< a plane of floats per coordinate and one of colors; lossless
-  kPlanarZstd,   ///< the same, compressed
-  kStrided,      ///< the layout of sensor_msgs/PointCloud2; lossless
-  kStridedZstd,  ///< the same, compressed
-  kQuantised,    ///< a grid with an error bound (core/codec/quantised/FORMAT.md)
+  kPlanar,       ///< one plane of floats per coordinate and one plane of colors; lossless
+  kPlanarZstd,   ///< as kPlanar, with every plane compressed by Zstandard; lossless
+  kStrided,      ///< point by point, in the layout of sensor_msgs/PointCloud2; lossless
+  kStridedZstd,  ///< as kStrided, compressed by Zstandard; lossless
+  kQuantised,    ///< coordinates on a grid, within an error bound (core/codec/quantised/FORMAT.md); colors are exact
   kPcd,          ///< a PCD file, binary_compressed; lossless
-  kRgbd,         ///< the images of a pinhole camera: PNG depth, JPEG color
-  kDraco,        ///< Google's Draco with an error bound; servers accept it only if their operator says so
+  kRgbd,         ///< a 16-bit PNG of the depth and a JPEG of the colors; organized clouds of a pinhole camera only
+  kDraco,        ///< Google's Draco, within an error bound; a server accepts it only if its operator enables it
 };
 
-/// The codec of a name such as "planar-zstd". INVALID_ARGUMENT that lists the names there are.
+/// The codec with a name such as "planar-zstd". INVALID_ARGUMENT if this build has no such codec; the message lists the
+/// names of those that it has.
 absl::StatusOr<Codec> codec_from_name(std::string_view name);
 
+/// A codec and its parameters. A codec ignores the parameters of the others.
 struct CodecOptions {
   Codec codec = Codec::kPlanar;
-  double error_bound = 0.001;  ///< of a coordinate, meters; kQuantised and kDraco
-  int jpeg_quality = 90;       ///< of the colors, 1 to 100; kRgbd
+  double error_bound = 0.001;  ///< largest error of a coordinate, meters; kQuantised and kDraco
+  int jpeg_quality = 90;       ///< quality of the colors, 1 to 100; kRgbd
 };
 
 }  // namespace segserve::wire

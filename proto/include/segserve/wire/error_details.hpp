@@ -31,18 +31,22 @@ enum class ErrorReason : std::uint8_t {
   kProtocolViolation,
 };
 
-/// The name of a reason as it stands in google.rpc.ErrorInfo: "QUEUE_FULL".
+/// The name of a reason as google.rpc.ErrorInfo writes it, e.g. "QUEUE_FULL".
 std::string_view name(ErrorReason reason);
 
-/// Says of an error what its code and message do not.
+/// The details of an error beyond its code and message, for programs.
 struct ErrorDetails {
   ErrorReason reason = ErrorReason::kUnspecified;
-  std::map<std::string, std::string> metadata = {};  ///< e.g. limit, allowed, actual
-  std::vector<FieldViolation> fields = {};           ///< every wrong field by its path in the request
-  std::optional<std::chrono::milliseconds> retry_delay = std::nullopt;  ///< try again, not before this time has passed
+  /// Further facts by name. kLimitExceeded and kQueueFull have "limit", "allowed" and "actual".
+  std::map<std::string, std::string> metadata = {};
+  /// Every wrong field of the request, by its path, e.g. "options.lambda". kInvalidField has at least one.
+  std::vector<FieldViolation> fields = {};
+  /// How long to wait before the next attempt, from 0 to one day. It is unset unless the server suggests a delay.
+  std::optional<std::chrono::milliseconds> retry_delay = std::nullopt;
 };
 
-/// The details that a status of the client library carries; empty details if it carries none.
+/// The details that a status of the client library carries. A status without details gives kUnspecified and nothing
+/// else.
 ErrorDetails details_of(const absl::Status& status);
 
 }  // namespace segserve::wire

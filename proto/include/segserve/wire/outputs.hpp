@@ -5,19 +5,19 @@
 
 namespace segserve::wire {
 
-/// How arrays travel.
+/// How the arrays of an answer may be compressed. The segment statistics are never compressed.
 enum class Compression : std::uint8_t {
-  kNone,  ///< as they are
-  kZstd,  ///< as a Zstandard frame where that is smaller
+  kNone,  ///< not at all
+  kZstd,  ///< each array as a Zstandard frame, if that makes it smaller
 };
 
-/// Which arrays an answer holds besides its summary.
+/// Which arrays an answer holds besides its summary. N is the number of points.
 struct Outputs {
-  bool labels = true;                            ///< the segment of every point
-  bool supervoxels = false;                      ///< the supervoxel of every point
-  bool tree = false;                             ///< the merge tree
-  bool segments = false;                         ///< statistics of every segment: Segmentation::statistics
-  Compression compression = Compression::kNone;  ///< that the arrays may have
+  bool labels = true;                            ///< the segment of each point: Segmentation::labels, N values
+  bool supervoxels = false;                      ///< the supervoxel of each point: Segmentation::supervoxels, N values
+  bool tree = false;                             ///< the merge tree: Segmentation::tree
+  bool segments = false;                         ///< the statistics of the segments: Segmentation::statistics
+  Compression compression = Compression::kNone;  ///< which compression the server may use
   bool operator==(const Outputs&) const = default;
 };
 
