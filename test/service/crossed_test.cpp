@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Crosses every way of asking with every codec, every output and every place where a frame may be computed. All of them
-// must give the results of segserve::segment on the cloud that the payload decodes to, or the same refusal.
+// Combines every way of asking with every codec, every output and every place where a frame may be computed. Every
+// combination must give the result of segserve::segment for the cloud that the payload decodes to, or the same error.
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -30,9 +30,10 @@ using client::Client;
 using client::Result;
 using wire::Outputs;
 
-// Differs from the defaults, so that a way which forgets the options gives another result.
+// The options differ from the defaults, so that a way of asking that loses them gives another result.
 constexpr Options kOptions{.voxel_resolution = 0.012, .seed_resolution = 0.09, .threshold = 0.4, .threads = 2};
 
+/// A way of asking for a frame.
 enum class Way { kCall, kStream, kStreamWithOwnFrames };
 constexpr std::array kWays{Way::kCall, Way::kStream, Way::kStreamWithOwnFrames};
 
@@ -43,7 +44,7 @@ std::string_view name(Way way) {
     case Way::kStream:
       return "stream";
     case Way::kStreamWithOwnFrames:
-      return "stream, outputs and options said by the frame";
+      return "stream whose frames say outputs and options";
   }
   return "";
 }
@@ -65,14 +66,14 @@ constexpr std::array kOutputs{
     OutputsRow{"nothing", kNothing},
 };
 
-/// One cloud in one codec, and what must come of it.
-struct Encoded {
+/// The scene in one codec, and its segmentation.
+struct EncodedScene {
   std::string_view codec;
   client::Payload payload;
-  Segmentation expected;  ///< of the decoded payload
+  Segmentation expected;  ///< the segmentation of the decoded payload
 };
 
-Encoded encode(const CloudView& cloud, const wire::CodecInfo& codec) {
+EncodedScene encode(const CloudView& cloud, const wire::CodecInfo& codec) {
   const v1::Cloud message = wire::to_message(cloud, {.codec = codec.codec}).value();
   const wire::DecodedCloud decoded = wire::decode_cloud(message, {.draco = true}).value();
   Segmentation expected = segment(decoded.cloud, kOptions).value();
@@ -82,9 +83,9 @@ Encoded encode(const CloudView& cloud, const wire::CodecInfo& codec) {
 }
 
 /// The scene in every codec that this build has.
-const std::vector<Encoded>& encoded_scenes() {
-  static const std::vector<Encoded> scenes = [] {
-    std::vector<Encoded> made;
+const std::vector<EncodedScene>& encoded_scenes() {
+  static const std::vector<EncodedScene> scenes = [] {
+    std::vector<EncodedScene> made;
     const Cloud cloud = server::wall_with_box(96, 72);
     for (const wire::CodecInfo& codec : wire::codecs()) made.push_back(encode(cloud, codec));
     return made;
@@ -92,8 +93,8 @@ const std::vector<Encoded>& encoded_scenes() {
   return scenes;
 }
 
-/// The names of the parts of a result that are not as they must be; empty if there are none. A part that was not asked
-/// for must be absent, but a result that was computed in this process has all arrays.
+/// The names of the parts of a result that are wrong; empty if there are none. A part that was not asked for must be
+/// absent, except that a result that was computed in this process has all arrays.
 std::string differences(const Result& result, const Segmentation& expected, const Outputs& asked) {
   const Segmentation& actual = result.segmentation;
   std::string names;
@@ -101,12 +102,12 @@ std::string differences(const Result& result, const Segmentation& expected, cons
     if (!is_right) names += fmt::format("{}{}", names.empty() ? "" : ", ", part);
   };
   const auto check_array = [&](std::string_view part, bool is_asked, const auto& array, const auto& wanted) {
-    const bool may_be_left = result.in_this_process && array == wanted;
-    check(part, is_asked ? array == wanted : array.empty() || may_be_left);
+    const bool may_be_absent = !is_asked && !result.in_this_process;
+    check(part, may_be_absent ? array.empty() : array == wanted);
   };
   check_array("labels", asked.labels, actual.labels, expected.labels);
   check_array("supervoxels", asked.supervoxels, actual.supervoxels, expected.supervoxels);
-  check("tree", asked.tree ? actual.tree == expected.tree : result.in_this_process || actual.tree == MergeTree());
+  check("tree", actual.tree == (asked.tree || result.in_this_process ? expected.tree : MergeTree()));
   check("statistics", asked.segments ? actual.statistics == expected.statistics : actual.statistics.empty());
   check("number of segments", actual.segments == expected.segments);
   check("number of supervoxels", result.supervoxels == expected.tree.leaf_count());
@@ -119,7 +120,7 @@ std::string differences(const Result& result, const Segmentation& expected, cons
   return names;
 }
 
-/// Asks in one way for any number of frames.
+/// Asks in one way for frames.
 class Asker {
  public:
   Asker(const Client& client, Way way, const Outputs& outputs, bool fallback_to_local)
@@ -155,7 +156,7 @@ class Asker {
   std::optional<client::Stream> stream_;
 };
 
-/// Where a frame may be computed.
+/// The places where a frame may be computed.
 struct Place {
   std::string_view name;
   bool has_server;
@@ -167,14 +168,15 @@ class Crossed : public testing::TestWithParam<Place> {
  protected:
   Crossed() : client_(connect(enable_draco(true))), client_without_draco_(connect(enable_draco(false))) {}
 
-  /// Asks for the payload in every way and for every output. `judge` returns what is wrong with an answer.
+  /// Asks for the payload in every way and for every output. `judge` returns what is wrong with an answer, or an empty
+  /// string.
   template <typename Judge>
   void ask_all(const Client& client, std::string_view codec, const client::Payload& payload, Judge judge) const {
     for (const Way way : kWays) {
       for (const OutputsRow& row : kOutputs) {
         Asker asker(client, way, row.outputs, GetParam().fallback_to_local);
-        const std::string wrong = judge(asker.ask(payload), row.outputs);
-        if (!wrong.empty()) ADD_FAILURE() << fmt::format("{}, {}, {}: {}", name(way), codec, row.name, wrong);
+        const std::string fault = judge(asker.ask(payload), row.outputs);
+        if (!fault.empty()) ADD_FAILURE() << fmt::format("{}, {}, {}: {}", name(way), codec, row.name, fault);
       }
     }
   }
@@ -194,7 +196,7 @@ class Crossed : public testing::TestWithParam<Place> {
   }
 
   Client connect(const server::ServerOptions& options) {
-    std::string address = "127.0.0.1:1";  // nothing listens here
+    std::string address = "127.0.0.1:1";  // Nothing listens here.
     if (GetParam().has_server) {
       servers_.push_back(server::Server::start(options).value());
       address = servers_.back()->address();
@@ -210,24 +212,30 @@ constexpr Place kNowhere{"NeitherServerNorFallback", false, false};
 
 std::string place_name(const testing::TestParamInfo<Place>& info) { return std::string(info.param.name); }
 
-/// What is wrong with a status, in words.
-std::string not_expected(const absl::Status& status) { return fmt::format("got {}", status.ToString()); }
+/// Says which status came instead of the expected one.
+std::string unexpected_status(const absl::Status& status) { return fmt::format("got {}", status.ToString()); }
+
+/// Empty if a status has the expected code and message; else what unexpected_status says.
+std::string compare(const absl::Status& status, const absl::Status& expected) {
+  const bool is_expected = status.code() == expected.code() && status.message() == expected.message();
+  return is_expected ? "" : unexpected_status(status);
+}
 
 class CrossedResults : public Crossed {};
 INSTANTIATE_TEST_SUITE_P(Places, CrossedResults, testing::Values(kServer, kServerAndFallback, kFallback), place_name);
 
 TEST_P(CrossedResults, AreThoseOfSegmentOnTheDecodedPayload) {
-  for (const Encoded& scene : encoded_scenes()) {
+  for (const EncodedScene& scene : encoded_scenes()) {
     ask_all(client_, scene.codec, scene.payload, [&](const absl::StatusOr<Result>& result, const Outputs& outputs) {
-      if (!result.ok()) return not_expected(result.status());
-      if (result->in_this_process == GetParam().has_server) return std::string("computed in the wrong place");
+      if (!result.ok()) return unexpected_status(result.status());
+      if (result->in_this_process == GetParam().has_server) return std::string("it was computed in the wrong place");
       const std::string parts = differences(*result, scene.expected, outputs);
-      return parts.empty() ? "" : fmt::format("differs in {}", parts);
+      return parts.empty() ? "" : fmt::format("it differs in {}", parts);
     });
   }
 }
 
-/// The reason why a cloud cannot be segmented is told in the same words, whichever way the cloud comes.
+/// The error of a cloud that cannot be segmented has the same message, whichever way the cloud comes.
 TEST_P(CrossedResults, CloudsThatCannotBeSegmentedAreRefusedAlike) {
   const std::vector<Cloud> clouds = {server::equal_points(9, 0, 0, -1),
                                      server::equal_points(9, 1e30F, 0, 0, View::world())};
@@ -235,11 +243,8 @@ TEST_P(CrossedResults, CloudsThatCannotBeSegmentedAreRefusedAlike) {
     const absl::Status expected = segment(cloud, kOptions).status();
     ASSERT_EQ(expected.code(), absl::StatusCode::kInvalidArgument);
     const client::Payload payload = client::cloud_payload(cloud).value();
-    ask_all(client_, "a bad cloud", payload, [&](const absl::StatusOr<Result>& result, const Outputs&) {
-      const absl::Status& status = result.status();
-      const bool as_expected = status.code() == expected.code() && status.message() == expected.message();
-      return as_expected ? "" : not_expected(status);
-    });
+    ask_all(client_, "a bad cloud", payload,
+            [&](const absl::StatusOr<Result>& result, const Outputs&) { return compare(result.status(), expected); });
   }
 }
 
@@ -253,20 +258,16 @@ TEST_P(CrossedRefusals, OfDracoWhereItIsNotEnabled) {
   const absl::Status expected = wire::check_kind(message, {.draco = false});
   ASSERT_EQ(expected.code(), absl::StatusCode::kInvalidArgument);
   ask_all(client_without_draco_, "draco", client::cloud_payload(cloud, {.codec = wire::Codec::kDraco}).value(),
-          [&](const absl::StatusOr<Result>& result, const Outputs&) {
-            const absl::Status& status = result.status();
-            const bool as_expected = status.code() == expected.code() && status.message() == expected.message();
-            return as_expected ? "" : not_expected(status);
-          });
+          [&](const absl::StatusOr<Result>& result, const Outputs&) { return compare(result.status(), expected); });
 }
 
 class CrossedAbsence : public Crossed {};
 INSTANTIATE_TEST_SUITE_P(Places, CrossedAbsence, testing::Values(kNowhere), place_name);
 
 TEST_P(CrossedAbsence, IsUnavailable) {
-  for (const Encoded& scene : encoded_scenes()) {
+  for (const EncodedScene& scene : encoded_scenes()) {
     ask_all(client_, scene.codec, scene.payload, [](const absl::StatusOr<Result>& result, const Outputs&) {
-      return absl::IsUnavailable(result.status()) ? "" : not_expected(result.status());
+      return absl::IsUnavailable(result.status()) ? "" : unexpected_status(result.status());
     });
   }
 }
