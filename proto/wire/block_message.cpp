@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/codec/common/zstd_block.hpp"
 #include "fmt/format.h"
 #include "proto/wire/status_message.hpp"
@@ -10,20 +11,20 @@
 namespace segserve::wire {
 namespace {
 
+// This level saves time on links of 100 Mbit/s and below.
 constexpr int kZstdLevel = 1;
 
 }  // namespace
 
 absl::StatusOr<v1::Block> to_block(std::string bytes, v1::Compression compression) {
   if (compression != v1::COMPRESSION_ZSTD) return to_raw_block(std::move(bytes));
-  absl::StatusOr<std::string> compressed = codec::zstd_compress(bytes, kZstdLevel);
-  if (!compressed.ok()) return compressed.status();
-  if (compressed->size() >= bytes.size()) return to_raw_block(std::move(bytes));
+  ASSIGN_OR_RETURN(std::string compressed, codec::zstd_compress(bytes, kZstdLevel));
+  if (compressed.size() >= bytes.size()) return to_raw_block(std::move(bytes));
   v1::Block block;
   block.set_compression(v1::COMPRESSION_ZSTD);
   block.set_decoded_bytes(bytes.size());
-  block.set_encoded_bytes(compressed->size());
-  block.set_data(*std::move(compressed));
+  block.set_encoded_bytes(compressed.size());
+  block.set_data(std::move(compressed));
   return block;
 }
 
@@ -57,7 +58,7 @@ absl::StatusOr<std::string_view> block_bytes(const v1::Block& block, std::uint64
   }
   absl::StatusOr<std::string> bytes =
       codec::zstd_decompress(block.data(), expected_bytes, {.max_bytes = expected_bytes});
-  if (!bytes.ok()) return malformed(fmt::format("{}: {}", name, std::string(bytes.status().message())));
+  if (!bytes.ok()) return malformed(name, bytes.status());
   buffer = *std::move(bytes);
   return std::string_view(buffer);
 }

@@ -10,22 +10,22 @@
 
 namespace segserve::wire {
 
-/// Bytes as a message, both its sizes set; compressed only if that makes them smaller. ZSTD at level 1 is what pays off
-/// on a link of 100 Mbit/s and below.
+/// The block that holds these bytes, with both sizes set. COMPRESSION_ZSTD compresses them if that makes them smaller;
+/// any other value leaves them as they are. INTERNAL if Zstandard fails.
 absl::StatusOr<v1::Block> to_block(std::string bytes, v1::Compression compression);
 
-/// The same without compression, which cannot fail.
+/// The block that holds these bytes as they are, with both sizes set.
 v1::Block to_raw_block(std::string bytes);
 
-/// The bytes of a block that must hold exactly `expected_bytes` of them after decompression; the
-/// caller has checked that number against its limits. Returns a view of the block's own data, or of
-/// `buffer` if it had to be decompressed. MALFORMED_PAYLOAD, naming the block by `name`, if a size
-/// differs, the compression is unknown or the data are broken.
+/// The bytes of a block that must hold exactly `expected_bytes` after decompression. The caller has compared that
+/// number with its limits. The result points into the block's own data, or into `buffer` if the data had to be
+/// decompressed. INVALID_ARGUMENT, MALFORMED_PAYLOAD if a size differs, the compression is unknown or the data are
+/// damaged; the message begins with `name`.
 absl::StatusOr<std::string_view> block_bytes(const v1::Block& block, std::uint64_t expected_bytes,
                                              std::string_view name, std::string& buffer);
 
-/// The same for a block that holds what nobody but itself knows the size of, a file: any size up to `max_bytes`, more
-/// is LIMIT_EXCEEDED (max_decoded_bytes).
+/// The bytes of a block of any size up to `max_bytes`, such as a file, whose size only the block itself tells. Errors
+/// are those of block_bytes, and LIMIT_EXCEEDED (max_decoded_bytes) for a larger block.
 absl::StatusOr<std::string_view> block_bytes_up_to(const v1::Block& block, std::uint64_t max_bytes,
                                                    std::string_view name, std::string& buffer);
 

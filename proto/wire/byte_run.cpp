@@ -2,7 +2,6 @@
 #include "proto/wire/byte_run.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "libdeflate.h"
@@ -10,14 +9,21 @@
 namespace segserve::wire {
 namespace {
 
-// Reserved memory costs nothing until it is written; growing by doubling would copy most bytes once more.
-constexpr std::uint64_t kMostReservedAtOnce = std::uint64_t{64} << 20U;
+// Reserving avoids the copies of a string that grows. The system provides reserved memory only when it is written, so a
+// sender who promises much and sends little does not use it up.
+constexpr std::uint64_t kMaxReservedBytes = std::uint64_t{64} << 20U;
 
 }  // namespace
 
-// libdeflate computes it several times faster than zlib, which counts for frames of megabytes.
+// libdeflate computes the CRC-32 faster than zlib, which matters for frames of megabytes.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes) {
   return libdeflate_crc32(crc_so_far, bytes.data(), bytes.size());
+}
+
+std::uint64_t saturating_sum(std::span<const std::uint64_t> sizes) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t size : sizes) sum = size > UINT64_MAX - sum ? UINT64_MAX : sum + size;
+  return sum;
 }
 
 ByteRun::ByteRun(std::vector<std::string_view> blocks, std::shared_ptr<const void> owner)
@@ -29,9 +35,9 @@ ByteRun::ByteRun(std::vector<std::string_view> blocks, std::shared_ptr<const voi
 }
 
 ByteRun::ByteRun(std::span<std::string* const> blocks) {
-  auto taken = std::make_shared<std::vector<std::string>>();
-  for (std::string* block : blocks) taken->push_back(std::exchange(*block, {}));
-  *this = ByteRun({taken->begin(), taken->end()}, taken);
+  auto owner = std::make_shared<std::vector<std::string>>();
+  for (std::string* block : blocks) owner->push_back(std::exchange(*block, {}));
+  *this = ByteRun({owner->begin(), owner->end()}, owner);
 }
 
 OutgoingBytes::OutgoingBytes(std::shared_ptr<const ByteRun> run) : run_(std::move(run)) { skip_empty_blocks(); }
@@ -52,11 +58,7 @@ void OutgoingBytes::skip_empty_blocks() {
 }
 
 IncomingBytes::IncomingBytes(std::vector<std::uint64_t> sizes)
-    : sizes_(std::move(sizes)),
-      blocks_(sizes_.size()),
-      missing_(std::accumulate(
-          sizes_.begin(), sizes_.end(), std::uint64_t{0},
-          [](std::uint64_t sum, std::uint64_t size) { return sum > UINT64_MAX - size ? UINT64_MAX : sum + size; })) {}
+    : sizes_(std::move(sizes)), blocks_(sizes_.size()), missing_(saturating_sum(sizes_)) {}
 
 bool IncomingBytes::add(std::string_view chunk) {
   if (chunk.size() > missing_) return false;
@@ -64,7 +66,7 @@ bool IncomingBytes::add(std::string_view chunk) {
   crc32_ = wire::crc32(crc32_, chunk);
   while (!chunk.empty()) {
     std::string& block = blocks_[block_];
-    if (block.empty()) block.reserve(std::min(sizes_[block_], kMostReservedAtOnce));
+    if (block.empty()) block.reserve(std::min(sizes_[block_], kMaxReservedBytes));
     const std::uint64_t room = sizes_[block_] - block.size();
     const std::string_view part = chunk.substr(0, room);
     block.append(part);

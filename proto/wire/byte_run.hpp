@@ -9,27 +9,34 @@
 #include <string_view>
 #include <vector>
 
-// In a stream the bytes of a message's blocks travel apart from it, as one run cut into chunks.
+// In a stream the bytes of a message's blocks travel apart from the message: they are concatenated to one run, which is
+// cut into chunks.
 namespace segserve::wire {
 
-/// Most bytes of one chunk. Larger ones would hold up cancels, smaller ones cost calls.
+/// The largest size of a chunk, bytes. Larger chunks would delay a cancel behind them, and smaller ones would need more
+/// calls.
 inline constexpr std::size_t kMaxChunkBytes = std::size_t{256} << 10U;
 
-/// The CRC-32 of zlib, PNG and RFC 1952, over the bytes so far followed by `bytes`; that of no bytes is 0.
+/// The CRC-32 (the one of zlib, PNG and RFC 1952) of a sequence of bytes and the `bytes` that follow it, where
+/// `crc_so_far` is the CRC-32 of the sequence. The CRC-32 of no bytes is 0.
 std::uint32_t crc32(std::uint32_t crc_so_far, std::string_view bytes);
 
-/// The bytes of a message's blocks.
+/// The sum of the sizes, or UINT64_MAX if it overflows.
+std::uint64_t saturating_sum(std::span<const std::uint64_t> sizes);
+
+/// The bytes of a message's blocks, with their checksum.
 class ByteRun {
  public:
   ByteRun() = default;
-  /// Takes the strings that `blocks` point to, and leaves them empty.
+  /// Moves the strings that `blocks` point to into the run, and leaves them empty.
   explicit ByteRun(std::span<std::string* const> blocks);
-  /// Bytes that stay where they are; `owner` keeps them.
+  /// Refers to bytes that stay where they are. `owner` keeps them alive and unchanged.
   ByteRun(std::vector<std::string_view> blocks, std::shared_ptr<const void> owner);
 
   std::span<const std::string_view> blocks() const { return blocks_; }
-  /// Of all blocks together.
+  /// Bytes of all blocks together.
   std::uint64_t size() const { return size_; }
+  /// CRC-32 of all blocks, one after the other.
   std::uint32_t crc32() const { return crc32_; }
 
  private:
@@ -39,7 +46,7 @@ class ByteRun {
   std::uint32_t crc32_ = 0;
 };
 
-/// A run on its way out, given away chunk by chunk. The run is shared, so that it can be sent more than once.
+/// Cuts a run into chunks to send. The run is shared, so that it can be sent more than once.
 class OutgoingBytes {
  public:
   OutgoingBytes() : OutgoingBytes(std::make_shared<const ByteRun>()) {}
@@ -47,33 +54,36 @@ class OutgoingBytes {
 
   const ByteRun& run() const { return *run_; }
   const std::shared_ptr<const ByteRun>& shared_run() const { return run_; }
-  /// True once everything was given away.
+  /// Whether `next` has returned all bytes.
   bool done() const { return block_ == run_->blocks().size(); }
-  /// The next bytes, at most `max_bytes` (above 0) and not beyond the end of a block; valid as long as the run.
-  /// Empty if done.
+  /// The next bytes: at most `max_bytes`, which must be above 0, and all of one block. They are valid as long as the
+  /// run. Empty if done.
   std::string_view next(std::size_t max_bytes = kMaxChunkBytes);
 
  private:
   void skip_empty_blocks();
 
   std::shared_ptr<const ByteRun> run_;
-  std::size_t block_ = 0, offset_ = 0;  // of the next byte
+  std::size_t block_ = 0;   // The index of the block that holds the next byte.
+  std::size_t offset_ = 0;  // The position of the next byte in that block.
 };
 
-/// Blocks on their way in. Memory in use grows with the bytes that have come, not with those that were promised.
+/// Puts blocks together from the chunks that arrive. The memory in use grows with the bytes that have come, not with
+/// those that were promised.
 class IncomingBytes {
  public:
   IncomingBytes() = default;
-  /// The sizes that the sender promised, block by block.
+  /// `sizes` are the bytes of each block, as the sender promised them.
   explicit IncomingBytes(std::vector<std::uint64_t> sizes);
 
-  /// Bytes to come; the largest number there is if the promised sizes overflow.
+  /// Bytes that have not come yet. It begins at UINT64_MAX if the sum of the promised sizes overflows.
   std::uint64_t missing() const { return missing_; }
-  /// Of what has come.
+  /// CRC-32 of the bytes that have come.
   std::uint32_t crc32() const { return crc32_; }
-  /// False, and nothing is taken, if the chunk is longer than what is missing.
+  /// Appends a chunk. Returns false, and takes nothing, if the chunk is longer than what is missing.
   [[nodiscard]] bool add(std::string_view chunk);
-  /// Gives the blocks, complete or not, to the strings that `blocks` point to: as many as sizes were promised.
+  /// Moves the blocks, complete or not, to the strings that `blocks` point to. There must be a string for each promised
+  /// size.
   void move_to(std::span<std::string* const> blocks);
 
  private:
@@ -81,7 +91,7 @@ class IncomingBytes {
   std::vector<std::string> blocks_;
   std::uint64_t missing_ = 0;
   std::uint32_t crc32_ = 0;
-  std::size_t block_ = 0;  // that the next byte belongs to
+  std::size_t block_ = 0;  // The index of the block that the next byte belongs to.
 };
 
 }  // namespace segserve::wire

@@ -3,12 +3,14 @@
 
 #include <cmath>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/payload/payload_codecs.hpp"
 #include "proto/wire/status_message.hpp"
 
 namespace segserve::wire {
+
 v1::View to_message(const View& view) {
   v1::View message;
   message.set_kind(view.kind == ViewKind::kCamera ? v1::VIEW_KIND_CAMERA : v1::VIEW_KIND_WORLD);
@@ -24,11 +26,11 @@ std::optional<View> from_message(const v1::View& message, std::vector<FieldViola
   const v1::Position& sensor = message.sensor();
   switch (message.kind()) {
     case v1::VIEW_KIND_UNSPECIFIED:
-      if (message.has_sensor()) faults.push_back({"cloud.view.kind", "missing, though cloud.view.sensor is given"});
+      if (message.has_sensor()) faults.push_back({"cloud.view.kind", "is missing, but cloud.view.sensor is given"});
       return std::nullopt;
     case v1::VIEW_KIND_CAMERA:
       if (message.has_sensor()) {
-        faults.push_back({"cloud.view.sensor", "given, but a CAMERA view has its sensor at the origin"});
+        faults.push_back({"cloud.view.sensor", "is given, but a CAMERA view has its sensor at the origin"});
       }
       return View::camera();
     case v1::VIEW_KIND_WORLD:
@@ -39,33 +41,33 @@ std::optional<View> from_message(const v1::View& message, std::vector<FieldViola
       }
       return View::world(sensor.x(), sensor.y(), sensor.z());
     default:
-      faults.push_back({"cloud.view.kind", fmt::format("{} is no kind of view", static_cast<int>(message.kind()))});
+      faults.push_back({"cloud.view.kind", fmt::format("{} is not a kind of view", static_cast<int>(message.kind()))});
       return std::nullopt;
   }
 }
 
 namespace {
 
-/// Of the fields around a payload.
-struct Needs {
-  const char* name;  ///< of the payload, for people
+/// The fields around a payload that it needs.
+struct PayloadNeeds {
+  const char* name;  ///< what messages call the payload; empty if it needs nothing
   bool shape;
   bool view;
 };
 
-std::optional<Needs> needs_of(v1::Cloud::PayloadCase payload) {
+std::optional<PayloadNeeds> needs_of(v1::Cloud::PayloadCase payload) {
   switch (payload) {
     case v1::Cloud::kPlanar:
-      return Needs{"a planar cloud", true, true};
+      return PayloadNeeds{"a planar cloud", true, true};
     case v1::Cloud::kStrided:
-      return Needs{"a strided cloud", true, true};
+      return PayloadNeeds{"a strided cloud", true, true};
     case v1::Cloud::kQuantised:
-      return Needs{"a quantised cloud", false, true};
+      return PayloadNeeds{"a quantised cloud", false, true};
     case v1::Cloud::kDraco:
-      return Needs{"a Draco cloud", true, true};
+      return PayloadNeeds{"a Draco cloud", true, true};
     case v1::Cloud::kPcdFile:
     case v1::Cloud::kRgbd:
-      return Needs{"", false, false};
+      return PayloadNeeds{"", false, false};
     case v1::Cloud::PAYLOAD_NOT_SET:
       break;
   }
@@ -77,42 +79,49 @@ void check_error_bound(const v1::Cloud& message, std::vector<FieldViolation>& fa
   if (!std::isfinite(bound) || bound < 0) {
     faults.push_back({"cloud.error_bound", fmt::format("{} is not a finite number of meters", bound)});
   } else if (message.has_quantised() && bound == 0) {
-    faults.push_back({"cloud.error_bound", "missing: a quantised cloud declares it"});
+    faults.push_back({"cloud.error_bound", "is missing, but a quantised cloud must declare it"});
   }
+}
+
+/// The view that the message gives; nullopt if it gives none. Appends all faults of the fields around the payload.
+std::optional<View> read_fields(const v1::Cloud& message, std::vector<FieldViolation>& faults) {
+  std::optional<View> view = from_message(message.view(), faults);
+  const std::optional<PayloadNeeds> needs = needs_of(message.payload_case());
+  if (!needs) {
+    faults.push_back({"cloud.payload", "is missing, or of a kind that this server does not know"});
+    return view;
+  }
+  if (needs->view && !view && faults.empty()) {
+    faults.push_back(
+        {"cloud.view", fmt::format("is missing, but {} needs VIEW_KIND_CAMERA or VIEW_KIND_WORLD", needs->name)});
+  }
+  if (message.has_rgbd() && view && *view != View::camera()) {
+    faults.push_back({"cloud.view.kind", "must be VIEW_KIND_CAMERA for RGB-D images"});
+  }
+  if (needs->shape && message.width() == 0) {
+    faults.push_back({"cloud.width", fmt::format("is 0, but {} needs at least one point", needs->name)});
+  }
+  if (needs->shape && message.height() == 0) {
+    faults.push_back({"cloud.height", fmt::format("is 0, but {} needs at least one row", needs->name)});
+  }
+  check_error_bound(message, faults);
+  return view;
 }
 
 }  // namespace
 
 std::vector<FieldViolation> violations(const v1::Cloud& message) {
   std::vector<FieldViolation> faults;
-  const std::optional<View> view = from_message(message.view(), faults);
-  const std::optional<Needs> needs = needs_of(message.payload_case());
-  if (!needs) {
-    faults.push_back({"cloud.payload", "missing or of a kind that this server does not know"});
-    return faults;
-  }
-  if (needs->view && !view && faults.empty()) {
-    faults.push_back({"cloud.view", fmt::format("missing: {} needs VIEW_KIND_CAMERA or VIEW_KIND_WORLD", needs->name)});
-  }
-  if (message.has_rgbd() && view && *view != View::camera()) {
-    faults.push_back({"cloud.view.kind", "RGB-D images are VIEW_KIND_CAMERA"});
-  }
-  if (needs->shape && message.width() == 0) {
-    faults.push_back({"cloud.width", fmt::format("0: {} needs at least one point", needs->name)});
-  }
-  if (needs->shape && message.height() == 0) {
-    faults.push_back({"cloud.height", fmt::format("0: {} needs at least one row", needs->name)});
-  }
-  check_error_bound(message, faults);
+  read_fields(message, faults);
   return faults;
 }
 
 absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
                                           const StopToken& stop) {
-  if (const absl::Status status = invalid_fields(violations(message)); !status.ok()) return status;
-  if (const absl::Status status = check_kind(message, limits); !status.ok()) return status;
-  std::vector<FieldViolation> faults;  // none: see above
-  const std::optional<View> view = from_message(message.view(), faults);
+  std::vector<FieldViolation> faults;
+  const std::optional<View> view = read_fields(message, faults);
+  RETURN_IF_ERROR(invalid_fields(faults));
+  RETURN_IF_ERROR(check_kind(message, limits));
   switch (message.payload_case()) {
     case v1::Cloud::kPlanar:
       return decode_planar(message, view, limits, stop);
@@ -127,9 +136,9 @@ absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec:
     case v1::Cloud::kDraco:
       return decode_draco(message, view, limits, stop);
     case v1::Cloud::PAYLOAD_NOT_SET:
-      break;  // violations has refused it
+      break;  // read_fields has refused it.
   }
-  return absl::InternalError("a payload of no kind");
+  return absl::InternalError("the cloud has no payload");
 }
 
 }  // namespace segserve::wire

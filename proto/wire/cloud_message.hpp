@@ -16,45 +16,50 @@
 
 namespace segserve::wire {
 
+/// The message of a view.
 v1::View to_message(const View& view);
 
-/// The view of a message; nullopt if its kind is UNSPECIFIED. Appends what is wrong with it to `faults`, by
-/// path below "cloud.view".
+/// The view of a message; nullopt if its kind is unspecified or unknown. Appends what is wrong with the message to
+/// `faults`, with paths such as "cloud.view.sensor".
 std::optional<View> from_message(const v1::View& message, std::vector<FieldViolation>& faults);
 
-/// The cloud as planar raw, each plane compressed if so asked. By other codecs: wire/codec.hpp.
+/// Encodes a cloud as planes, each of which may be compressed. codec_message.hpp has the function for all codecs.
+/// INTERNAL if Zstandard fails.
 absl::StatusOr<v1::Cloud> to_planar_message(const CloudView& cloud, v1::Compression compression);
 
-/// A cloud on its way out.
+/// A cloud to send in a stream: the message and, apart from it, the bytes of its blocks.
 struct OutgoingCloud {
-  v1::Cloud message;  ///< without the bytes of its blocks
-  std::shared_ptr<const ByteRun> bytes;
+  v1::Cloud message;                     ///< its blocks have their sizes, but no data
+  std::shared_ptr<const ByteRun> bytes;  ///< the data of all blocks
 };
 
-/// The cloud as planar raw, its coordinates sent from where they are. `cloud` must not change as long as the bytes are
-/// shared.
+/// Encodes a cloud as planes without compression. The coordinates are not copied: `bytes` refers to those of `cloud`,
+/// keeps it alive, and expects it not to change.
 OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud);
 
-/// A PCD file as it is; the view, if given, overrides the file's.
+/// The message that holds a PCD file. The view, if it is given, overrides that of the file.
 v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view);
 
-/// The images of an RGB-D camera as they are. Their shape is in the message if the depth's header tells it.
+/// The message that holds the images of an RGB-D camera. It has the shape of the depth image, or none if that is not a
+/// PNG file.
 v1::Cloud to_rgbd_message(codec::RgbdFiles images);
 
-/// Every fault of the fields around the payload: no payload, no view or no shape where one is needed.
+/// All faults of the fields around the payload, with paths such as "cloud.view". The payload's bytes are not read.
 std::vector<FieldViolation> violations(const v1::Cloud& message);
 
+/// A cloud that was decoded from a message.
 struct DecodedCloud {
-  BorrowingCloud cloud;   ///< planes may lie in the message, which must outlive it
-  std::string view_rule;  ///< one line for people: why this view
+  BorrowingCloud cloud;   ///< its planes may lie in the message, which must outlive it
+  std::string view_rule;  ///< one line for people that says why the cloud has its view
 };
 
-/// The payload's cloud. Sizes it claims are checked against the limits before anything is allocated.
-/// INVALID_ARGUMENT: INVALID_FIELD (also for a kind that is not enabled: see check_kind), MALFORMED_PAYLOAD, or
-/// LIMIT_EXCEEDED. The status of `stop` once it says so.
+/// Decodes the payload of a message. The sizes that it claims are compared with the limits before anything is
+/// allocated. INVALID_ARGUMENT with one of these reasons: INVALID_FIELD (`violations`, or `check_kind` of
+/// codec_message.hpp), MALFORMED_PAYLOAD, LIMIT_EXCEEDED. CANCELLED or DEADLINE_EXCEEDED as `stop` says.
 absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
                                           const StopToken& stop = {});
+// A temporary message would not outlive the cloud.
 absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud&& message, const codec::DecodeLimits& limits,
-                                          const StopToken& stop = {}) = delete;  // the message would be gone
+                                          const StopToken& stop = {}) = delete;
 
 }  // namespace segserve::wire

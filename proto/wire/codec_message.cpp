@@ -15,12 +15,12 @@
 namespace segserve::wire {
 namespace {
 
-// Draco, which not every build has, comes last.
+// Draco comes last, because `codecs` leaves it out if the build does not have it.
 constexpr std::array kCodecs{
     CodecInfo{Codec::kPlanar, "planar", v1::PAYLOAD_KIND_PLANAR, true, "a plane per coordinate, not compressed"},
-    CodecInfo{Codec::kPlanarZstd, "planar-zstd", v1::PAYLOAD_KIND_PLANAR, true, "the same, compressed with zstd"},
+    CodecInfo{Codec::kPlanarZstd, "planar-zstd", v1::PAYLOAD_KIND_PLANAR, true, "as planar, compressed with zstd"},
     CodecInfo{Codec::kStrided, "strided", v1::PAYLOAD_KIND_STRIDED, true, "point by point, as PointCloud2"},
-    CodecInfo{Codec::kStridedZstd, "strided-zstd", v1::PAYLOAD_KIND_STRIDED, true, "the same, compressed with zstd"},
+    CodecInfo{Codec::kStridedZstd, "strided-zstd", v1::PAYLOAD_KIND_STRIDED, true, "as strided, compressed with zstd"},
     CodecInfo{Codec::kQuantised, "quantised", v1::PAYLOAD_KIND_QUANTISED, false,
               "coordinates within an error bound, colors exactly"},
     CodecInfo{Codec::kPcd, "pcd", v1::PAYLOAD_KIND_PCD_FILE, true, "a PCD file, binary_compressed"},
@@ -30,6 +30,7 @@ constexpr std::array kCodecs{
               "coordinates within an error bound, colors exactly"},
 };
 
+/// A kind of payload, the member of v1.Cloud that holds it, and the name of that member.
 struct KindName {
   v1::PayloadKind kind;
   v1::Cloud::PayloadCase member;
@@ -57,12 +58,12 @@ std::span<const CodecInfo> codecs() {
 const CodecInfo& info(Codec codec) { return *std::ranges::find(kCodecs, codec, &CodecInfo::codec); }
 
 absl::StatusOr<Codec> codec_from_name(std::string_view name) {
-  std::string names;
+  std::vector<std::string_view> names;
   for (const CodecInfo& entry : codecs()) {
     if (entry.name == name) return entry.codec;
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", entry.name);
+    names.push_back(entry.name);
   }
-  return absl::InvalidArgumentError(fmt::format("there is no codec '{}'; there are {}", name, names));
+  return absl::InvalidArgumentError(fmt::format("there is no codec '{}'; there are {}", name, fmt::join(names, ", ")));
 }
 
 absl::StatusOr<v1::Cloud> to_message(const CloudView& cloud, const CodecOptions& options) {
@@ -84,7 +85,8 @@ absl::StatusOr<v1::Cloud> to_message(const CloudView& cloud, const CodecOptions&
     case Codec::kDraco:
       return to_draco_message(cloud, options.error_bound);
   }
-  return absl::InvalidArgumentError(fmt::format("there is no codec {}", static_cast<int>(options.codec)));
+  return absl::InvalidArgumentError(
+      fmt::format("there is no codec with the number {}", static_cast<int>(options.codec)));
 }
 
 std::string_view name(v1::PayloadKind kind) {
@@ -103,12 +105,10 @@ std::vector<v1::PayloadKind> accepted_kinds(const codec::DecodeLimits& limits) {
 absl::Status check_kind(const v1::Cloud& message, const codec::DecodeLimits& limits) {
   const auto* found = std::ranges::find(kKinds, message.payload_case(), &KindName::member);
   if (found == kKinds.end() || is_accepted(found->kind, limits)) return absl::OkStatus();
-  std::string names;
-  for (const v1::PayloadKind kind : accepted_kinds(limits)) {
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", name(kind));
-  }
-  return invalid_fields(
-      {{fmt::format("cloud.{}", found->name), fmt::format("not enabled here; enabled are {}", names)}});
+  std::vector<std::string_view> names;
+  for (const v1::PayloadKind kind : accepted_kinds(limits)) names.push_back(name(kind));
+  return invalid_fields({{fmt::format("cloud.{}", found->name),
+                          fmt::format("not enabled here; enabled are {}", fmt::join(names, ", "))}});
 }
 
 }  // namespace segserve::wire

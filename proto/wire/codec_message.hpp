@@ -14,36 +14,39 @@
 #include "segserve/v1/server_info.pb.h"
 #include "segserve/wire/codec.hpp"
 
-// The ways in which a cloud can be sent, by name. Receivers tell them from the message: see wire::decode_cloud.
+// The codecs, their names and the kinds of payload that they make. decode_cloud of cloud_message.hpp decodes all of
+// them.
 namespace segserve::wire {
 
+/// What there is to know about a codec.
 struct CodecInfo {
   Codec codec;
-  std::string_view name;  ///< as the command line writes it, e.g. "planar-zstd"
-  v1::PayloadKind kind;
+  std::string_view name;  ///< its name on the command line, e.g. "planar-zstd"
+  v1::PayloadKind kind;   ///< the kind of payload that it makes
   bool is_lossless;
-  std::string_view description;
+  std::string_view description;  ///< one line for people
 };
 
-/// All that this build can encode.
+/// The codecs that this build can encode.
 std::span<const CodecInfo> codecs();
 
-/// Of one of codecs(). Draco's is there even if this build cannot encode it.
+/// The entry of a codec, also of Draco if this build cannot encode it.
 const CodecInfo& info(Codec codec);
 
-/// The cloud in its own view, ready to be sent. Labels come back in the order of its points, whatever the codec.
-/// INVALID_ARGUMENT for what a codec cannot encode: quantised and Draco coordinates that are too large for the bound;
-/// RGB-D anything but an organized CAMERA cloud of a pinhole camera. A lossy message declares its error bound.
+/// Encodes a cloud, with its view. The order of the points is kept, whatever the codec. A lossy message declares its
+/// error bound. INVALID_ARGUMENT if the codec cannot encode the cloud: kQuantised and kDraco need coordinates that are
+/// not too large for the error bound, kRgbd needs an organized CAMERA cloud of a pinhole camera. INTERNAL if a library
+/// fails.
 absl::StatusOr<v1::Cloud> to_message(const CloudView& cloud, const CodecOptions& options);
 
-/// A kind of payload as the API's field is called: "pcd_file".
+/// The name of a kind of payload, as the field of v1.Cloud is called, e.g. "pcd_file"; "unknown" for other numbers.
 std::string_view name(v1::PayloadKind kind);
 
-/// What decode_cloud accepts under these limits.
+/// The kinds of payload that decode_cloud accepts under these limits.
 std::vector<v1::PayloadKind> accepted_kinds(const codec::DecodeLimits& limits);
 
-/// OK if the payload is of an accepted kind (or there is none); else INVALID_FIELD that lists those that are. A look at
-/// the message without its bytes.
+/// OK if there is no payload, or one of an accepted kind. INVALID_ARGUMENT, INVALID_FIELD otherwise, with a message
+/// that lists the accepted kinds. The payload's bytes are not read.
 absl::Status check_kind(const v1::Cloud& message, const codec::DecodeLimits& limits);
 
 }  // namespace segserve::wire

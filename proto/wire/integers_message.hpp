@@ -11,11 +11,12 @@
 
 namespace segserve::wire {
 
-/// The values with as few bytes each as the largest of them needs.
+/// The message of these values, each of which takes as few bytes as the largest of them needs. INTERNAL if Zstandard
+/// fails.
 absl::StatusOr<v1::IntegerArray> to_message(std::span<const std::uint32_t> values, v1::Compression compression);
 
-/// Exactly `count` values, all of them at most `maximum`; the caller has checked `count` against its limits.
-/// MALFORMED_PAYLOAD, naming the array by `name`, if the message holds anything else.
+/// The values of a message that must hold exactly `count` values, none above `maximum`. INVALID_ARGUMENT,
+/// MALFORMED_PAYLOAD if the message holds anything else; the error message begins with `name`.
 absl::StatusOr<std::vector<std::uint32_t>> from_message(const v1::IntegerArray& message, std::uint64_t count,
                                                         std::uint32_t maximum, std::string_view name);
 

@@ -22,17 +22,16 @@ constexpr std::array kMethods = {
     std::pair{Method::kFixedLambda, v1::METHOD_FIXED_LAMBDA},
 };
 
-/// FNV-1a with 64 bits, fed with numbers as little-endian bytes.
-class Hash {
+/// The 64-bit hash FNV-1a. Numbers are added as their little-endian bytes.
+class FnvHash {
  public:
   void add(std::string_view bytes) {
     for (const char byte : bytes) add_byte(static_cast<std::uint8_t>(byte));
     add_byte(0);
   }
-  void add(double value) { add(std::bit_cast<std::uint64_t>(value + 0.0)); }  // + 0.0: the zeros are equal
+  void add(double value) { add(std::bit_cast<std::uint64_t>(value + 0.0)); }  // Adding 0 turns -0.0 into 0.0.
   void add(std::uint64_t value) {
-    for (int shift = 0; shift < 64; shift += 8)
-      add_byte(static_cast<std::uint8_t>(value >> static_cast<unsigned>(shift)));
+    for (unsigned shift = 0; shift < 64; shift += 8) add_byte(static_cast<std::uint8_t>(value >> shift));
   }
   std::uint64_t value() const { return state_; }
 
@@ -42,7 +41,7 @@ class Hash {
   std::uint64_t state_ = 0xcbf29ce484222325U;
 };
 
-/// The field of SegmentOptions that has an option's name: a double or a uint32.
+/// The field of v1.SegmentOptions with the name of an option. It is a uint32 if the option is whole, else a double.
 class NumberField {
  public:
   explicit NumberField(const OptionInfo& option)
@@ -67,21 +66,23 @@ class NumberField {
   bool whole_;
 };
 
-/// The fault by the path of its field in a request.
-FieldViolation in_request(FieldViolation fault) { return {"options." + fault.field, std::move(fault.description)}; }
+/// The fault with the path of its field in a request.
+FieldViolation with_request_path(FieldViolation fault) {
+  return {"options." + fault.field, std::move(fault.description)};
+}
 
 }  // namespace
 
 v1::Method to_message(Method method) {
-  for (const auto& [ours, theirs] : kMethods) {
-    if (ours == method) return theirs;
+  for (const auto& [known, in_message] : kMethods) {
+    if (known == method) return in_message;
   }
   return v1::METHOD_UNSPECIFIED;
 }
 
 std::optional<Method> from_message(v1::Method method) {
-  for (const auto& [ours, theirs] : kMethods) {
-    if (theirs == method) return ours;
+  for (const auto& [known, in_message] : kMethods) {
+    if (in_message == method) return known;
   }
   return std::nullopt;
 }
@@ -101,26 +102,29 @@ Options from_message(const v1::SegmentOptions& message, const Options& defaults,
     if (const std::optional<Method> method = from_message(message.method())) {
       options.method = *method;
     } else {
-      faults.push_back({"options.method", fmt::format("{} is no method", static_cast<int>(message.method()))});
+      faults.push_back({"options.method", fmt::format("{} is not a method", static_cast<int>(message.method()))});
     }
   }
-  if (message.cut_case() != v1::SegmentOptions::CUT_NOT_SET) options.threshold = {}, options.regions = {};
+  if (message.cut_case() != v1::SegmentOptions::CUT_NOT_SET) {
+    options.threshold.reset();
+    options.regions.reset();
+  }
   for (const OptionInfo& option : option_table()) {
     if (const std::optional<double> value = NumberField(option).get(message)) option.set(options, *value);
   }
-  for (FieldViolation& fault : segserve::violations(options)) faults.push_back(in_request(std::move(fault)));
+  for (FieldViolation& fault : segserve::violations(options)) faults.push_back(with_request_path(std::move(fault)));
   return options;
 }
 
 std::vector<FieldViolation> violations_in_view(const Options& options, const View& view) {
   std::vector<FieldViolation> faults = segserve::violations(options, view);
-  for (FieldViolation& fault : faults) fault = in_request(std::move(fault));
+  for (FieldViolation& fault : faults) fault = with_request_path(std::move(fault));
   return faults;
 }
 
 std::string options_hash(const Options& options) {
   const Options effective = resolved(options);
-  Hash hash;
+  FnvHash hash;
   hash.add(name(effective.method));
   for (const OptionInfo& option : option_table()) {
     if (option.name == "threads" || (option.name == "lambda" && effective.method != Method::kFixedLambda)) continue;

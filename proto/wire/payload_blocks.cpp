@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/payload_blocks.hpp"
 
-#include <limits>
+#include <algorithm>
+
+#include "proto/wire/byte_run.hpp"
 
 namespace segserve::wire {
 namespace {
 
 using v1::Block;
 
-/// The blocks that are there, in canonical order.
-std::vector<const Block*> blocks(const v1::Cloud& message) {
-  std::vector<const Block*> all;
-  const auto add = [&all](bool present, const Block& block) {
-    if (present) all.push_back(&block);
+/// The blocks that the payload has, in the order of their fields in cloud.proto.
+std::vector<const Block*> blocks_of(const v1::Cloud& message) {
+  std::vector<const Block*> blocks;
+  const auto add = [&blocks](bool is_present, const Block& block) {
+    if (is_present) blocks.push_back(&block);
   };
   switch (message.payload_case()) {
     case v1::Cloud::kPlanar:
@@ -41,31 +43,28 @@ std::vector<const Block*> blocks(const v1::Cloud& message) {
     case v1::Cloud::PAYLOAD_NOT_SET:
       break;
   }
-  return all;
+  return blocks;
 }
 
 }  // namespace
 
 std::vector<std::string*> payload_blocks(v1::Cloud& message) {
   std::vector<std::string*> data;
-  // The message is ours to change, so its blocks are.
-  for (const Block* block : blocks(message)) data.push_back(const_cast<Block*>(block)->mutable_data());
+  // The message is not const, so its blocks may be changed.
+  for (const Block* block : blocks_of(message)) data.push_back(const_cast<Block*>(block)->mutable_data());
   return data;
+}
+
+bool payload_has_data(const v1::Cloud& message) {
+  return std::ranges::any_of(blocks_of(message), [](const Block* block) { return !block->data().empty(); });
 }
 
 std::vector<std::uint64_t> payload_block_sizes(const v1::Cloud& message) {
   std::vector<std::uint64_t> sizes;
-  for (const Block* block : blocks(message)) sizes.push_back(block->encoded_bytes());
+  for (const Block* block : blocks_of(message)) sizes.push_back(block->encoded_bytes());
   return sizes;
 }
 
-std::uint64_t payload_bytes(const v1::Cloud& message) {
-  std::uint64_t sum = 0;
-  for (const std::uint64_t size : payload_block_sizes(message)) {
-    constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
-    sum = size > kMost - sum ? kMost : sum + size;
-  }
-  return sum;
-}
+std::uint64_t payload_bytes(const v1::Cloud& message) { return saturating_sum(payload_block_sizes(message)); }
 
 }  // namespace segserve::wire

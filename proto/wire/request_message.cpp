@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/options_message.hpp"
@@ -18,7 +19,7 @@ constexpr std::size_t kMaxIdBytes = 256;
 
 void check_id(const std::string& id, const char* field, std::vector<FieldViolation>& faults) {
   if (id.size() > kMaxIdBytes) {
-    faults.push_back({field, fmt::format("has {} bytes, more than {}", id.size(), kMaxIdBytes)});
+    faults.push_back({field, fmt::format("has {} bytes, but may have at most {}", id.size(), kMaxIdBytes)});
   }
 }
 
@@ -35,17 +36,16 @@ Outputs parse_outputs(const v1::Outputs& message) {
 
 void check_cloud(bool has_cloud, const v1::Cloud& cloud, std::vector<FieldViolation>& faults) {
   if (!has_cloud) {
-    faults.push_back({"cloud", "missing"});
+    faults.push_back({"cloud", "is missing"});
     return;
   }
   for (FieldViolation& fault : violations(cloud)) faults.push_back(std::move(fault));
 }
 
-/// That the bytes are not in the header, but announced.
+/// Checks that the header does not hold the bytes of the payload, but announces their number.
 void check_announcement(const v1::FrameHeader& header, std::vector<FieldViolation>& faults) {
-  v1::Cloud cloud = header.cloud();
-  for (const std::string* data : payload_blocks(cloud)) {
-    if (!data->empty()) faults.push_back({"cloud", "holds bytes of the payload, which must come in chunks"});
+  if (payload_has_data(header.cloud())) {
+    faults.push_back({"cloud", "holds bytes of the payload, which must come in chunks"});
   }
   if (const std::uint64_t sum = payload_bytes(header.cloud()); header.encoded_bytes() != sum) {
     faults.push_back({"encoded_bytes",
@@ -53,14 +53,15 @@ void check_announcement(const v1::FrameHeader& header, std::vector<FieldViolatio
   }
 }
 
-void check_duration(bool has_it, const google::protobuf::Duration& duration, const char* field,
+void check_duration(bool is_set, const google::protobuf::Duration& duration, const char* field,
                     std::vector<FieldViolation>& faults) {
-  constexpr std::int64_t kYear = std::int64_t{365} * 24 * 60 * 60;
-  constexpr std::int32_t kSecond = 1'000'000'000;
-  if (!has_it) return;
-  if (duration.seconds() < 0 || duration.seconds() > kYear || duration.nanos() < 0 || duration.nanos() >= kSecond) {
+  constexpr std::int64_t kYearInSeconds = std::int64_t{365} * 24 * 60 * 60;
+  constexpr std::int32_t kSecondInNanoseconds = 1'000'000'000;
+  if (!is_set) return;
+  if (duration.seconds() < 0 || duration.seconds() > kYearInSeconds || duration.nanos() < 0 ||
+      duration.nanos() >= kSecondInNanoseconds) {
     faults.push_back(
-        {field, fmt::format("{} s and {} ns are not in [0 s, 1 year]", duration.seconds(), duration.nanos())});
+        {field, fmt::format("is {} s and {} ns, but must be from 0 to 1 year", duration.seconds(), duration.nanos())});
   }
 }
 
@@ -87,7 +88,7 @@ absl::StatusOr<ParsedRequest> parse_request(const v1::SegmentRequest& request, c
   check_cloud(request.has_cloud(), request.cloud(), faults);
   ParsedRequest parsed{from_message(request.options(), defaults, faults),
                        request.has_outputs() ? parse_outputs(request.outputs()) : Outputs()};
-  if (!faults.empty()) return invalid_fields(faults);
+  RETURN_IF_ERROR(invalid_fields(faults));
   return parsed;
 }
 
@@ -100,7 +101,7 @@ absl::StatusOr<ParsedRequest> parse_open(const v1::StreamOpen& open, const Optio
   }
   ParsedRequest parsed{from_message(open.options(), defaults, faults),
                        open.has_outputs() ? parse_outputs(open.outputs()) : Outputs()};
-  if (!faults.empty()) return invalid_fields(faults);
+  RETURN_IF_ERROR(invalid_fields(faults));
   return parsed;
 }
 
@@ -116,7 +117,7 @@ absl::StatusOr<ParsedRequest> parse_frame(const v1::FrameHeader& header, const P
   ParsedRequest parsed = stream;
   if (header.has_options()) parsed.options = from_message(header.options(), defaults, faults);
   if (header.has_outputs()) parsed.outputs = parse_outputs(header.outputs());
-  if (!faults.empty()) return invalid_fields(faults);
+  RETURN_IF_ERROR(invalid_fields(faults));
   return parsed;
 }
 

@@ -9,24 +9,29 @@
 
 namespace segserve::wire {
 
+/// The message of a compression.
 v1::Compression to_message(Compression compression);
+
+/// The message of the outputs.
 v1::Outputs to_message(const Outputs& outputs);
 
-/// What a request asks for, apart from its payload's bytes.
+/// What a request asks for, apart from its payload.
 struct ParsedRequest {
-  Options options;  ///< valid
-  Outputs outputs;
+  Options options;  ///< valid options
+  Outputs outputs;  ///< Outputs() if the request does not say which
 };
 
-/// INVALID_ARGUMENT, INVALID_FIELD that names every wrong field of the request at once. The payload is
-/// not decoded: see decode_cloud.
+/// Reads everything but the payload's bytes, which decode_cloud reads. Options that are unset take their values from
+/// `defaults`. INVALID_ARGUMENT, INVALID_FIELD if a field is wrong; the error names every wrong field.
 absl::StatusOr<ParsedRequest> parse_request(const v1::SegmentRequest& request, const Options& defaults);
 
-/// The same for the opening of a stream: what a frame gets that says nothing.
+/// Reads the opening of a stream. The result applies to frames that do not say otherwise. Defaults and errors are those
+/// of parse_request.
 absl::StatusOr<ParsedRequest> parse_open(const v1::StreamOpen& open, const Options& defaults);
 
-/// The same for the header of a frame. What it does not say it has from the stream; options of its own go on top of
-/// the server's `defaults`.
+/// Reads the header of a frame. If it has options, they replace those of the stream as a whole, and those that are
+/// unset take their values from `defaults`. If it has outputs, they replace those of the stream as a whole. Errors are
+/// those of parse_request.
 absl::StatusOr<ParsedRequest> parse_frame(const v1::FrameHeader& header, const ParsedRequest& stream,
                                           const Options& defaults);
 

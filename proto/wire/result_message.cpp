@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/integers_message.hpp"
@@ -15,7 +16,7 @@
 namespace segserve::wire {
 namespace {
 
-v1::SupportPlane plane_message(const SupportPlane& plane) {
+v1::SupportPlane support_plane_message(const SupportPlane& plane) {
   v1::SupportPlane message;
   message.set_points(plane.points);
   message.set_normal_x(plane.normal.x());
@@ -25,10 +26,22 @@ v1::SupportPlane plane_message(const SupportPlane& plane) {
   return message;
 }
 
-SupportPlane read_plane(const v1::SupportPlane& message) {
+SupportPlane read_support_plane(const v1::SupportPlane& message) {
   return {.normal = {message.normal_x(), message.normal_y(), message.normal_z()},
           .offset = message.offset(),
           .points = message.points()};
+}
+
+void fill_timings(const CallTimings& call, const StageTimings& stages, v1::Timings& timings) {
+  timings.set_queue_ms(call.queue);
+  timings.set_decode_ms(call.decode);
+  timings.set_voxels_ms(stages.voxels);
+  timings.set_normals_ms(stages.normals);
+  timings.set_supervoxels_ms(stages.supervoxels);
+  timings.set_graph_ms(stages.graph);
+  timings.set_merging_ms(stages.merging);
+  timings.set_labels_ms(stages.labels);
+  timings.set_segments_ms(stages.segments);
 }
 
 void fill_summary(const Result& result, v1::ResultSummary& summary) {
@@ -36,29 +49,19 @@ void fill_summary(const Result& result, v1::ResultSummary& summary) {
   summary.set_points(result.points);
   summary.set_finite_points(segmentation.finite_points);
   summary.set_segmented_points(segmentation.segmented_points);
-  if (segmentation.support_plane) *summary.mutable_support_plane() = plane_message(*segmentation.support_plane);
+  if (segmentation.support_plane) *summary.mutable_support_plane() = support_plane_message(*segmentation.support_plane);
   summary.set_voxels(segmentation.voxels);
   summary.set_supervoxels(result.supervoxels);
   summary.set_segments(segmentation.segments);
   summary.set_method(to_message(result.method));
-  if (result.segmentation.threshold) summary.set_threshold(*result.segmentation.threshold);
+  if (segmentation.threshold) summary.set_threshold(*segmentation.threshold);
   if (result.regions) summary.set_regions(*result.regions);
   summary.set_lambda(segmentation.lambda);
   *summary.mutable_view() = to_message(result.view);
   summary.set_view_rule(result.view_rule);
   summary.set_server_version(result.server_version);
   summary.set_options_hash(result.options_hash);
-
-  v1::Timings& timings = *summary.mutable_timings();
-  timings.set_queue_ms(result.timings.queue);
-  timings.set_decode_ms(result.timings.decode);
-  timings.set_voxels_ms(segmentation.timings.voxels);
-  timings.set_normals_ms(segmentation.timings.normals);
-  timings.set_supervoxels_ms(segmentation.timings.supervoxels);
-  timings.set_graph_ms(segmentation.timings.graph);
-  timings.set_merging_ms(segmentation.timings.merging);
-  timings.set_labels_ms(segmentation.timings.labels);
-  timings.set_segments_ms(segmentation.timings.segments);
+  fill_timings(result.timings, segmentation.timings, *summary.mutable_timings());
 }
 
 void read_timings(const v1::Timings& from, CallTimings& call, StageTimings& stages) {
@@ -74,19 +77,24 @@ void read_timings(const v1::Timings& from, CallTimings& call, StageTimings& stag
                  stages.segments;
 }
 
-absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_t points) {
+absl::Status check_numbers(const v1::ResultSummary& summary, std::size_t points) {
   if (summary.points() != points) {
-    return malformed(fmt::format("the result is of {} points, but the cloud has {}", summary.points(), points));
+    return malformed(fmt::format("the result has {} points, but the cloud has {}", summary.points(), points));
   }
   if (summary.finite_points() > points || summary.segmented_points() > summary.finite_points() ||
       summary.support_plane().points() > summary.finite_points() - summary.segmented_points() ||
       summary.supervoxels() > summary.segmented_points() || summary.segments() > summary.supervoxels()) {
     return malformed(
-        fmt::format("{} segments of {} supervoxels of {} segmented points and {} of a support plane, of "
-                    "{} finite points of {} points cannot be",
-                    summary.segments(), summary.supervoxels(), summary.segmented_points(),
-                    summary.support_plane().points(), summary.finite_points(), points));
+        fmt::format("the numbers of the summary contradict each other: {} points, {} finite points, {} points of the "
+                    "support plane, {} segmented points, {} supervoxels, {} segments",
+                    points, summary.finite_points(), summary.support_plane().points(), summary.segmented_points(),
+                    summary.supervoxels(), summary.segments()));
   }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_t points) {
+  RETURN_IF_ERROR(check_numbers(summary, points));
   std::vector<FieldViolation> faults;
   const std::optional<View> view = from_message(summary.view(), faults);
   if (!view || !faults.empty()) return malformed("the result does not say which view was used");
@@ -97,7 +105,7 @@ absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_
   result.segmentation.segments = summary.segments();
   result.segmentation.finite_points = summary.finite_points();
   result.segmentation.segmented_points = summary.segmented_points();
-  if (summary.has_support_plane()) result.segmentation.support_plane = read_plane(summary.support_plane());
+  if (summary.has_support_plane()) result.segmentation.support_plane = read_support_plane(summary.support_plane());
   result.segmentation.voxels = summary.voxels();
   if (summary.has_threshold()) result.segmentation.threshold = summary.threshold();
   result.segmentation.lambda = summary.lambda();
@@ -111,28 +119,6 @@ absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_
   result.server_version = summary.server_version();
   result.options_hash = summary.options_hash();
   return result;
-}
-
-absl::Status read_labels(const v1::IntegerArray& message, std::size_t points, std::uint32_t maximum,
-                         std::string_view name, std::vector<std::uint32_t>& labels) {
-  absl::StatusOr<std::vector<std::uint32_t>> read = from_message(message, points, maximum, name);
-  if (!read.ok()) return read.status();
-  labels = *std::move(read);
-  return absl::OkStatus();
-}
-
-absl::Status read_segments(const v1::SegmentationResult& message, Segmentation& segmentation) {
-  auto read = from_message(message.segments(), segmentation.segments, segmentation.segmented_points);
-  if (!read.ok()) return read.status();
-  segmentation.statistics = *std::move(read);
-  return absl::OkStatus();
-}
-
-absl::Status read_tree(const v1::MergeTree& message, const Result& result, MergeTree& tree) {
-  absl::StatusOr<MergeTree> read = from_message(message, result.supervoxels, result.segmentation.segmented_points);
-  if (!read.ok()) return read.status();
-  tree = *std::move(read);
-  return absl::OkStatus();
 }
 
 }  // namespace
@@ -155,18 +141,18 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
 absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
   v1::SegmentationResult message;
   fill_summary(result, *message.mutable_summary());
-  const auto put = [&outputs](const auto& array, auto* field) {
-    auto made = to_message(array, to_message(outputs.compression));
-    if (!made.ok()) return made.status();
-    *field = *std::move(made);
-    return absl::OkStatus();
-  };
-  absl::Status status;
-  if (outputs.labels) status = put(result.segmentation.labels, message.mutable_labels());
-  if (outputs.supervoxels && status.ok()) status = put(result.segmentation.supervoxels, message.mutable_supervoxels());
-  if (outputs.tree && status.ok()) status = put(result.segmentation.tree, message.mutable_tree());
-  if (!status.ok()) return status;
-  if (outputs.segments) *message.mutable_segments() = to_message(result.segmentation.statistics);
+  const Segmentation& segmentation = result.segmentation;
+  const v1::Compression compression = to_message(outputs.compression);
+  if (outputs.labels) {
+    ASSIGN_OR_RETURN(*message.mutable_labels(), to_message(segmentation.labels, compression));
+  }
+  if (outputs.supervoxels) {
+    ASSIGN_OR_RETURN(*message.mutable_supervoxels(), to_message(segmentation.supervoxels, compression));
+  }
+  if (outputs.tree) {
+    ASSIGN_OR_RETURN(*message.mutable_tree(), to_message(segmentation.tree, compression));
+  }
+  if (outputs.segments) *message.mutable_segments() = to_message(segmentation.statistics);
   return message;
 }
 
@@ -176,19 +162,23 @@ void set_final_timings(v1::SegmentationResult& message, double encode_ms, double
 }
 
 absl::StatusOr<Result> from_message(const v1::SegmentationResult& message, std::size_t points) {
-  absl::StatusOr<Result> result = read_summary(message.summary(), points);
-  if (!result.ok()) return result;
-  Segmentation& segmentation = result->segmentation;
-  absl::Status status;
+  ASSIGN_OR_RETURN(Result result, read_summary(message.summary(), points));
+  Segmentation& segmentation = result.segmentation;
   if (message.has_labels()) {
-    status = read_labels(message.labels(), points, segmentation.segments, "labels", segmentation.labels);
+    ASSIGN_OR_RETURN(segmentation.labels, from_message(message.labels(), points, segmentation.segments, "labels"));
   }
-  if (message.has_supervoxels() && status.ok()) {
-    status = read_labels(message.supervoxels(), points, result->supervoxels, "supervoxels", segmentation.supervoxels);
+  if (message.has_supervoxels()) {
+    ASSIGN_OR_RETURN(segmentation.supervoxels,
+                     from_message(message.supervoxels(), points, result.supervoxels, "supervoxels"));
   }
-  if (message.segments_size() > 0 && status.ok()) status = read_segments(message, segmentation);
-  if (message.has_tree() && status.ok()) status = read_tree(message.tree(), *result, segmentation.tree);
-  if (!status.ok()) return status;
+  if (message.segments_size() > 0) {
+    ASSIGN_OR_RETURN(segmentation.statistics,
+                     from_message(message.segments(), segmentation.segments, segmentation.segmented_points));
+  }
+  if (message.has_tree()) {
+    ASSIGN_OR_RETURN(segmentation.tree,
+                     from_message(message.tree(), result.supervoxels, segmentation.segmented_points));
+  }
   return result;
 }
 

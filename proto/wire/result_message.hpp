@@ -14,19 +14,21 @@
 
 namespace segserve::wire {
 
-/// What there is to tell of the finished segmentation of `cloud`; call timings are left 0.
+/// The result of the segmentation of `cloud` with `options`. `view_rule` says for people why the cloud has its view,
+/// and `version` is that of this program. The call timings are 0.
 Result make_result(Segmentation segmentation, const CloudView& cloud, const Options& options, std::string view_rule,
                    std::string version);
 
-/// The message with the arrays that `outputs` asks for. Sets every timing but `encode` and `total`, which are
-/// not known before: see set_final_timings.
+/// The message with the arrays that `outputs` asks for. The timings `encode` and `total` stay unset, because the
+/// message must be finished before they are known; set_final_timings sets them. INTERNAL if Zstandard fails.
 absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs);
 
-/// Fills in the two timings that end with the message itself.
+/// Sets the two timings that end when the message is finished, milliseconds.
 void set_final_timings(v1::SegmentationResult& message, double encode_ms, double total_ms);
 
-/// A result from a server for a cloud of `points` points. MALFORMED_PAYLOAD unless all its arrays fit the
-/// cloud, the summary and each other.
+/// Reads the result of a cloud of `points` points. Arrays that the message does not have stay empty, whether they were
+/// asked for or not. INVALID_ARGUMENT, MALFORMED_PAYLOAD unless the arrays and the summary agree with the cloud and
+/// with each other.
 absl::StatusOr<Result> from_message(const v1::SegmentationResult& message, std::size_t points);
 
 }  // namespace segserve::wire

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <string_view>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/status_message.hpp"
 
@@ -29,9 +30,10 @@ bool is_between(const Eigen::Vector3d& v, double low, double high) {
   return v.allFinite() && v.minCoeff() >= low && v.maxCoeff() <= high;
 }
 
-bool is_near(double value, double expected) { return std::fabs(value - expected) <= kUnitTolerance; }  // not for NaN
+/// False if the value is NaN.
+bool is_near(double value, double expected) { return std::fabs(value - expected) <= kUnitTolerance; }
 
-/// Whether the columns are unit vectors at right angles, right-handed.
+/// Whether the columns are right-handed unit vectors at right angles.
 bool is_rotation(const Eigen::Matrix3d& axes) {
   return is_near(axes.col(0).norm(), 1) && is_near(axes.col(1).norm(), 1) && is_near(axes.col(2).norm(), 1) &&
          is_near(axes.col(0).dot(axes.col(1)), 0) && is_near(axes.col(0).cross(axes.col(1)).dot(axes.col(2)), 1);
@@ -66,16 +68,29 @@ SegmentStatistics read(const v1::Segment& message) {
   return segment;
 }
 
-/// What is wrong with a segment; empty: nothing.
-std::string_view fault(const SegmentStatistics& segment) {
-  if (segment.points == 0) return "points: 0";
-  if (!segment.centroid.allFinite()) return "centroid: not finite";
-  if (!segment.box.center.allFinite()) return "box.center: not finite";
-  if (!is_rotation(segment.box.axes)) return "box.axes: not three unit vectors at right angles, right-handed";
-  if (!is_between(segment.box.half_extents, 0, INFINITY)) return "box.half_extents: not finite and at least 0";
-  if (segment.color && !is_between(*segment.color, 0, 255)) return "color: not in [0, 255]";
-  if (segment.normal && !is_near(segment.normal->norm(), 1)) return "normal: not a unit vector";
+/// The field of a segment that is wrong, and what it must be; empty if there is none.
+std::string_view fault_of(const SegmentStatistics& segment) {
+  if (segment.points == 0) return "points: must be at least 1";
+  if (!segment.centroid.allFinite()) return "centroid: must be finite";
+  if (!segment.box.center.allFinite()) return "box.center: must be finite";
+  if (!is_rotation(segment.box.axes)) return "box.axes: must be right-handed unit vectors at right angles";
+  if (!is_between(segment.box.half_extents, 0, INFINITY)) return "box.half_extents: must be finite and at least 0";
+  if (segment.color && !is_between(*segment.color, 0, 255)) return "color: must be from 0 to 255";
+  if (segment.normal && !is_near(segment.normal->norm(), 1)) return "normal: must be a unit vector";
   return {};
+}
+
+/// The statistics of segment `label`, checked by themselves.
+absl::StatusOr<SegmentStatistics> read_checked(const v1::Segment& message, std::size_t label) {
+  if (message.box().axes_size() != 3) {
+    return malformed(
+        fmt::format("segment {}: box.axes: has {} axes, but must have 3", label, message.box().axes_size()));
+  }
+  SegmentStatistics segment = read(message);
+  if (const std::string_view fault = fault_of(segment); !fault.empty()) {
+    return malformed(fmt::format("segment {}: {}", label, fault));
+  }
+  return segment;
 }
 
 }  // namespace
@@ -90,31 +105,26 @@ SegmentMessages to_message(std::span<const SegmentStatistics> statistics) {
 absl::StatusOr<std::vector<SegmentStatistics>> from_message(const SegmentMessages& messages, std::uint32_t segments,
                                                             std::uint64_t segmented_points) {
   const auto count = static_cast<std::size_t>(messages.size());
-  if (count != std::min(segments, kMostDescribedSegments)) {
-    return malformed(fmt::format("segments: {} entries for {} segments", count, segments));
+  if (const std::size_t expected = std::min(segments, kMostDescribedSegments); count != expected) {
+    return malformed(fmt::format("segments: has {} entries, but must have {}", count, expected));
   }
   std::vector<SegmentStatistics> statistics;
   statistics.reserve(count);
   std::uint64_t points = 0;
   for (const v1::Segment& message : messages) {
     const std::size_t label = statistics.size() + 1;
-    if (message.box().axes_size() != 3) {
-      return malformed(fmt::format("segment {}: box.axes: {}, not 3", label, message.box().axes_size()));
-    }
-    SegmentStatistics segment = read(message);
-    if (const std::string_view what = fault(segment); !what.empty()) {
-      return malformed(fmt::format("segment {}: {}", label, what));
-    }
+    ASSIGN_OR_RETURN(const SegmentStatistics segment, read_checked(message, label));
     if (label > 1 && segment.points > statistics.back().points) {
-      return malformed(fmt::format("segment {}: points: {}, more than of the one before", label, segment.points));
+      return malformed(
+          fmt::format("segment {}: points: is {}, more than in the segment before", label, segment.points));
     }
     points += segment.points;
     statistics.push_back(segment);
   }
-  const std::uint64_t left = segments - count;  // at least a point each, if they are not described
-  if (points + left > segmented_points || (left == 0 && points != segmented_points)) {
-    return malformed(fmt::format("segments: {} points in {} segments, but {} points of {} segments in the summary",
-                                 points, count, segmented_points, segments));
+  const std::uint64_t not_described = segments - count;  // Each of these segments has at least one point.
+  if (points + not_described > segmented_points || (not_described == 0 && points != segmented_points)) {
+    return malformed(fmt::format("segments: {} segments have {} points, but by the summary {} segments have {} points",
+                                 count, points, segments, segmented_points));
   }
   return statistics;
 }

@@ -14,11 +14,15 @@ namespace segserve::wire {
 
 using SegmentMessages = google::protobuf::RepeatedPtrField<v1::Segment>;
 
+/// The messages of segment statistics, in the same order.
 SegmentMessages to_message(std::span<const SegmentStatistics> statistics);
 
-/// The statistics of a result of `segments` segments and `segmented_points` points. MALFORMED_PAYLOAD, naming segment
-/// and field, unless they are of all segments (of the largest kMostDescribedSegments if there are more), by descending
-/// points that add up, all numbers are finite and in their ranges, and boxes and normals have unit vectors.
+/// Reads the statistics of a result with `segments` segments, which hold `segmented_points` points together.
+/// INVALID_ARGUMENT, MALFORMED_PAYLOAD, with a message that names the segment and the field, unless
+/// - there is an entry for each of the largest kMostDescribedSegments segments, by descending number of points,
+/// - the numbers of points add up,
+/// - all numbers are finite and in their ranges,
+/// - the axes of each box are a rotation, and each normal is a unit vector.
 absl::StatusOr<std::vector<SegmentStatistics>> from_message(const SegmentMessages& messages, std::uint32_t segments,
                                                             std::uint64_t segmented_points);
 

@@ -16,13 +16,13 @@ namespace {
 constexpr std::string_view kDomain = "segserve";
 constexpr std::string_view kAnyPrefix = "type.googleapis.com/";
 
-// In the order of the enum.
+// The names are in the order of the enum.
 constexpr std::array<std::string_view, 13> kReasonNames{
     "UNSPECIFIED", "INVALID_FIELD",  "MALFORMED_PAYLOAD", "INVALID_CLOUD", "LIMIT_EXCEEDED",
     "QUEUE_FULL",  "DRAINING",       "DEADLINE_EXCEEDED", "CANCELLED",     "INTERNAL",
     "CHECKSUM",    "UPLOAD_STALLED", "PROTOCOL_VIOLATION"};
 
-/// The details we know, by the type URL under which both google.protobuf.Any and absl::Status keep them.
+/// The type URL of a kind of detail. Both google.protobuf.Any and absl::Status keep details under it.
 template <typename Message>
 std::string type_url() {
   return std::string(kAnyPrefix) + Message::descriptor()->full_name();
@@ -48,7 +48,7 @@ void copy_detail(const google::rpc::Status& from, absl::Status& to) {
   }
 }
 
-/// The reason that a code implies; UNSPECIFIED for INVALID_ARGUMENT, which several reasons share.
+/// The reason that a code implies. INVALID_ARGUMENT implies none, because several reasons share it.
 ErrorReason implied_reason(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kInvalidArgument:
@@ -86,7 +86,7 @@ std::chrono::milliseconds read_retry_delay(const google::protobuf::Duration& mes
   return std::chrono::milliseconds(std::clamp(milliseconds, std::int64_t{0}, kDay * 1000));
 }
 
-/// gRPC's text when a message exceeds the receive limit: "Received message larger than max (9 vs. 8)".
+/// Whether gRPC refused a message beyond the receive limit, with the text "Received message larger than max (9 vs. 8)".
 bool is_message_too_large(const grpc::Status& status) {
   return status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED && status.error_details().empty() &&
          status.error_message().find("larger than max") != std::string::npos;
@@ -152,6 +152,10 @@ ErrorDetails details_of(const absl::Status& status) {
 
 absl::Status malformed(std::string_view message) {
   return with_reason(absl::InvalidArgumentError(std::string(message)), ErrorReason::kMalformedPayload);
+}
+
+absl::Status malformed(std::string_view name, const absl::Status& cause) {
+  return malformed(fmt::format("{}: {}", name, std::string(cause.message())));
 }
 
 absl::Status invalid_fields(const std::vector<FieldViolation>& fields) {

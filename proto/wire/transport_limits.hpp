@@ -5,18 +5,19 @@
 
 namespace segserve::wire {
 
-/// A serialized SegmentRequest may have this many bytes; more must be streamed.
+/// The largest size of a serialized SegmentRequest, bytes. Larger clouds must be streamed.
 inline constexpr std::uint64_t kMaxRequestBytes = std::uint64_t{8} << 20U;
 
-/// What server and client set as gRPC's receive limit. For the server it is a little above
-/// kMaxRequestBytes, so that slightly larger requests get our own error, which names the limit.
+/// The receive limit that a server sets for gRPC, bytes. It is a little above kMaxRequestBytes, so that slightly larger
+/// requests get our own error, which names the limit.
 inline constexpr int kServerReceiveBytes = 9 << 20;
 
-/// An answer with labels, supervoxels and tree of the largest cloud fits in.
+/// The receive limit that a client sets for gRPC, bytes. It suffices for the labels, the supervoxels and the tree of 7
+/// million points.
 inline constexpr int kClientReceiveBytes = 64 << 20;
 
-/// What HTTP/2 lets the other side send ahead, on both sides, instead of gRPC's probing for it: the pings of the probe
-/// cost 1.5 ms of a raw frame of 307,200 points over loopback. Enough for 100 Mbit/s over 300 ms of round trip.
+/// The window of HTTP/2's flow control on both sides: the bytes that the other side may send ahead. A fixed window
+/// keeps gRPC from probing for one, whose pings delay frames. It suffices for 100 Mbit/s over a round trip of 300 ms.
 inline constexpr int kFlowControlBytes = 4 << 20;
 
 }  // namespace segserve::wire

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "fmt/format.h"
 #include "proto/wire/block_message.hpp"
@@ -18,49 +19,30 @@
 namespace segserve::wire {
 namespace {
 
-absl::Status put(const std::vector<std::uint32_t>& values, v1::Compression compression, v1::IntegerArray* array) {
-  absl::StatusOr<v1::IntegerArray> made = to_message(values, compression);
-  if (!made.ok()) return made.status();
-  *array = *std::move(made);
-  return absl::OkStatus();
+// The largest value that a column may hold. `complete` checks the values row by row.
+constexpr std::uint32_t kAnyValue = std::numeric_limits<std::uint32_t>::max();
+
+absl::StatusOr<v1::Block> weight_block(const std::vector<double>& weights, v1::Compression compression) {
+  return to_block({reinterpret_cast<const char*>(weights.data()), weights.size() * sizeof(double)}, compression);
 }
 
-absl::Status put(const std::vector<double>& values, v1::Compression compression, v1::Block* block) {
-  std::string bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
-  absl::StatusOr<v1::Block> made = to_block(std::move(bytes), compression);
-  if (!made.ok()) return made.status();
-  *block = *std::move(made);
-  return absl::OkStatus();
-}
-
-absl::Status read(const v1::IntegerArray& message, std::uint64_t count, std::string_view name,
-                  std::vector<std::uint32_t>& values) {
-  constexpr std::uint32_t kAny = std::numeric_limits<std::uint32_t>::max();  // `complete` judges them row by row
-  absl::StatusOr<std::vector<std::uint32_t>> made = from_message(message, count, kAny, name);
-  if (!made.ok()) return made.status();
-  values = *std::move(made);
-  return absl::OkStatus();
-}
-
-absl::Status read(const v1::Block& message, std::uint64_t count, std::string_view name, std::vector<double>& values) {
+absl::StatusOr<std::vector<double>> read_weights(const v1::Block& message, std::uint64_t count) {
   std::string buffer;
-  const absl::StatusOr<std::string_view> bytes = block_bytes(message, count * sizeof(double), name, buffer);
-  if (!bytes.ok()) return bytes.status();
-  values.resize(count);
-  const auto* in = reinterpret_cast<const std::byte*>(bytes->data());
-  for (std::size_t i = 0; i < count; ++i) values[i] = codec::load<double>(in + i * sizeof(double));
-  return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::string_view bytes, block_bytes(message, count * sizeof(double), "tree.weight", buffer));
+  std::vector<double> weights(count);
+  const auto* in = reinterpret_cast<const std::byte*>(bytes.data());
+  for (std::size_t i = 0; i < count; ++i) weights[i] = codec::load<double>(in + i * sizeof(double));
+  return weights;
 }
 
 }  // namespace
 
 absl::StatusOr<v1::MergeTree> to_message(const MergeTree& tree, v1::Compression compression) {
   v1::MergeTree message;
-  absl::Status status = put(tree.leaf_points, compression, message.mutable_leaf_points());
-  if (status.ok()) status = put(tree.left, compression, message.mutable_left());
-  if (status.ok()) status = put(tree.right, compression, message.mutable_right());
-  if (status.ok()) status = put(tree.weight, compression, message.mutable_weight());
-  if (!status.ok()) return status;
+  ASSIGN_OR_RETURN(*message.mutable_leaf_points(), to_message(tree.leaf_points, compression));
+  ASSIGN_OR_RETURN(*message.mutable_left(), to_message(tree.left, compression));
+  ASSIGN_OR_RETURN(*message.mutable_right(), to_message(tree.right, compression));
+  ASSIGN_OR_RETURN(*message.mutable_weight(), weight_block(tree.weight, compression));
   message.set_merged_rows(static_cast<std::uint32_t>(std::ranges::count(tree.kind, MergeKind::kMerged)));
   return message;
 }
@@ -69,13 +51,14 @@ absl::StatusOr<MergeTree> from_message(const v1::MergeTree& message, std::uint32
   const std::uint64_t rows = supervoxels == 0 ? 0 : supervoxels - 1;
   TreeColumns columns;
   columns.merged_rows = message.merged_rows();
-  absl::Status status = read(message.leaf_points(), supervoxels, "tree.leaf_points", columns.leaf_points);
-  if (status.ok()) status = read(message.left(), rows, "tree.left", columns.left);
-  if (status.ok()) status = read(message.right(), rows, "tree.right", columns.right);
-  if (status.ok()) status = read(message.weight(), rows, "tree.weight", columns.weight);
-  if (!status.ok()) return status;
+  ASSIGN_OR_RETURN(columns.leaf_points,
+                   from_message(message.leaf_points(), supervoxels, kAnyValue, "tree.leaf_points"));
+  ASSIGN_OR_RETURN(columns.left, from_message(message.left(), rows, kAnyValue, "tree.left"));
+  ASSIGN_OR_RETURN(columns.right, from_message(message.right(), rows, kAnyValue, "tree.right"));
+  ASSIGN_OR_RETURN(columns.weight, read_weights(message.weight(), rows));
   const std::uint64_t sum = std::accumulate(columns.leaf_points.begin(), columns.leaf_points.end(), std::uint64_t{0});
-  if (sum != points) return malformed(fmt::format("tree.leaf_points: {} points of {}", sum, points));
+  if (sum != points)
+    return malformed(fmt::format("tree.leaf_points: the sum is {} points, but must be {}", sum, points));
   absl::StatusOr<MergeTree> tree = complete(std::move(columns));
   if (!tree.ok()) return malformed(std::string(tree.status().message()));
   return tree;

@@ -9,10 +9,11 @@
 
 namespace segserve::wire {
 
+/// The message of a merge tree, each of whose columns may be compressed. INTERNAL if Zstandard fails.
 absl::StatusOr<v1::MergeTree> to_message(const MergeTree& tree, v1::Compression compression);
 
-/// The tree of exactly `supervoxels` leaves, which together have `points` points; the caller has checked both against
-/// its limits. MALFORMED_PAYLOAD if the message holds anything else.
+/// Reads a tree that must have exactly `supervoxels` leaves, which have `points` points together. INVALID_ARGUMENT,
+/// MALFORMED_PAYLOAD if the message holds anything else.
 absl::StatusOr<MergeTree> from_message(const v1::MergeTree& message, std::uint32_t supervoxels, std::uint64_t points);
 
 }  // namespace segserve::wire

@@ -76,7 +76,7 @@ TEST(Block, WithoutCompressionNeedNotSayItsSize) {
   EXPECT_EQ(block_bytes(block, 3, "block", buffer).value(), "abc");
 }
 
-TEST(Block, RefusesAnotherSizeThanExpected) {
+TEST(Block, RefusesASizeThatIsNotExpected) {
   v1::Block block;
   block.set_data("abc");
   EXPECT_THAT(error_of(block, 4), AllOf(HasSubstr("the.block"), HasSubstr("has 3 bytes"), HasSubstr("4")));
@@ -90,7 +90,7 @@ TEST(Block, RefusesUnknownCompressionByNumber) {
   EXPECT_THAT(error_of(block, 0), HasSubstr("77"));
 }
 
-TEST(Block, RefusesWhatIsNoZstd) {
+TEST(Block, RefusesDataThatAreNotZstd) {
   v1::Block block;
   block.set_compression(v1::COMPRESSION_ZSTD);
   block.set_decoded_bytes(8);

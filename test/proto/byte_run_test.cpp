@@ -11,7 +11,7 @@ namespace {
 
 TEST(Crc32, IsTheOneOfZlibAndPng) {
   EXPECT_EQ(crc32(0, ""), 0U);
-  EXPECT_EQ(crc32(0, "123456789"), 0xCBF43926U);  // the check value of the catalog of CRCs
+  EXPECT_EQ(crc32(0, "123456789"), 0xCBF43926U);  // This is the check value of the catalog of CRCs.
   EXPECT_EQ(crc32(crc32(0, "1234"), "56789"), 0xCBF43926U);
 }
 
@@ -32,7 +32,7 @@ TEST(ByteRun, LeavesSharedBytesWhereTheyAre) {
   EXPECT_EQ(owner.use_count(), 2);
 }
 
-TEST(OutgoingBytes, GiveARunAwayInOrderAsOftenAsWanted) {
+TEST(OutgoingBytes, CutARunInOrderAsOftenAsWanted) {
   std::string a, b = "abcde", c, d = "fg";
   const auto run = std::make_shared<const ByteRun>(std::array<std::string*, 4>{&a, &b, &c, &d});
   for (int round = 0; round < 2; ++round) {
@@ -52,7 +52,7 @@ TEST(OutgoingBytes, OfNothingAreDone) {
   EXPECT_TRUE(OutgoingBytes(std::make_shared<const ByteRun>(std::array<std::string*, 1>{&empty})).done());
 }
 
-TEST(IncomingBytes, WhatGoesOutComesInHoweverItIsCut) {
+TEST(IncomingBytes, PutsTheRunTogetherHoweverItIsCut) {
   std::mt19937 random(1);
   for (int round = 0; round < 100; ++round) {
     std::vector<std::string> sent(1 + random() % 4);
@@ -92,10 +92,10 @@ TEST(IncomingBytes, RefusesMoreThanWasPromised) {
   EXPECT_FALSE(in.add("f"));
 }
 
-TEST(IncomingBytes, APromiseCostsNothing) {
+TEST(IncomingBytes, AcceptsAbsurdPromisesWithoutTheirMemory) {
   IncomingBytes in({std::uint64_t{1} << 60U});
   EXPECT_TRUE(in.add("a"));
-  EXPECT_EQ(IncomingBytes({UINT64_MAX, 2}).missing(), UINT64_MAX) << "sizes that overflow";
+  EXPECT_EQ(IncomingBytes({UINT64_MAX, 2}).missing(), UINT64_MAX) << "the sum of the sizes overflows";
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ TEST(WireCloud, PlanarWithoutColorAndWithASensor) {
   expect_same(decoded->cloud, cloud);
 }
 
-TEST(WireCloud, PcdFileTakesItsViewFromTheFileUnlessTold) {
+TEST(WireCloud, PcdFileHasItsOwnViewUnlessTheMessageOverridesIt) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinaryCompressed);
   const v1::Cloud plain = to_pcd_message(file, std::nullopt);
   const auto by_file = decode_cloud(plain, kLimits);
@@ -169,7 +169,7 @@ TEST(WireCloud, LimitsAreNamedWithTheirValues) {
   EXPECT_TRUE(decode_cloud(message, {.max_points = 6, .max_bytes = 6 * 15}).ok());
 }
 
-TEST(WireCloud, PcdOverTheLimitOfPointsIsSaidToBe) {
+TEST(WireCloud, PcdFileWithTooManyPointsExceedsTheLimit) {
   const std::string file = codec::encode_pcd(small_cloud(), {}, codec::PcdEncoding::kBinary);
   EXPECT_EQ(reason_of(to_pcd_message(file, std::nullopt), {.max_points = 5, .max_bytes = 10'000}),
             ErrorReason::kLimitExceeded);

@@ -26,8 +26,8 @@ using testing::Not;
 constexpr codec::DecodeLimits kAll{.max_points = 100'000, .max_bytes = 4'000'000, .draco = true};
 constexpr double kBound = 0.001;
 
-/// An organized frame of a pinhole camera whose points come in an order that no codec could restore if it lost it:
-/// depth and color jump about, and every sixth point is not finite.
+/// An organized cloud of a pinhole camera. Depth and color are random, so that a codec that lost the order of the
+/// points could not restore it. About every sixth point is not finite.
 Cloud frame(bool color, std::uint32_t width = 24, std::uint32_t height = 18) {
   std::mt19937 random(7);
   Cloud cloud;
@@ -68,7 +68,7 @@ TEST_P(EachCodec, PointsComeBackInTheirOrder) {
     EXPECT_EQ(got.height, cloud.height);
     EXPECT_EQ(got.view, cloud.view);
     EXPECT_EQ(got.has_color(), color);
-    // Neighbors differ by much more than the bound, so a point in another's place is seen.
+    // Neighbors differ by much more than the bound, so a point in the place of another one is noticed.
     const double bound = GetParam().is_lossless ? 0 : message.error_bound();
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       const bool finite = is_finite(cloud.x[i], cloud.y[i], cloud.z[i]);
@@ -77,7 +77,7 @@ TEST_P(EachCodec, PointsComeBackInTheirOrder) {
       ASSERT_NEAR(got.x[i], cloud.x[i], bound) << "point " << i;
       ASSERT_NEAR(got.y[i], cloud.y[i], bound) << "point " << i;
       ASSERT_NEAR(got.z[i], cloud.z[i], bound) << "point " << i;
-      if (color && GetParam().codec != Codec::kRgbd) {  // JPEG of noise is no longer that noise
+      if (color && GetParam().codec != Codec::kRgbd) {  // JPEG does not keep random colors.
         ASSERT_EQ(got.rgb[i], cloud.rgb[i]) << "point " << i;
       }
     }
@@ -113,7 +113,8 @@ TEST_P(EachCodec, BlocksTellTheirSizes) {
   for (std::size_t i = 0; i < sizes.size(); ++i) EXPECT_EQ(sizes[i], data[i]->size());
 }
 
-/// Every block truncated and every byte of the small ones flipped: refused, or decoded within the limits.
+/// Truncates every block at every byte, which must be refused, and changes every byte, which must be refused or decoded
+/// within the limits.
 TEST_P(EachCodec, DamageIsRefusedOrDecodedWithinBounds) {
   const v1::Cloud good = encode(small_camera_cloud());
   constexpr codec::DecodeLimits kFew{.max_points = 1000, .max_bytes = 100'000, .draco = true};
@@ -218,18 +219,19 @@ TEST(WireCodec, EachPayloadSaysWhatItNeedsAroundIt) {
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
 }
 
-TEST(WireCodec, WhatTheMessageSaysMustBeWhatThePayloadSays) {
+TEST(WireCodec, RefusesAMessageThatContradictsItsPayload) {
   v1::Cloud message = to_message(frame(true), {.codec = Codec::kQuantised, .error_bound = kBound}).value();
   message.set_error_bound(0.002);
-  EXPECT_THAT(decode_cloud(message, kAll).status().ToString(), HasSubstr("cloud.error_bound: 0.002 m, but"));
+  EXPECT_THAT(decode_cloud(message, kAll).status().ToString(),
+              HasSubstr("cloud.error_bound: the message says 0.002 m, but the quantised cloud has 0.001 m"));
   message.set_error_bound(kBound);
   message.set_width(25);
   EXPECT_THAT(decode_cloud(message, kAll).status().ToString(),
-              HasSubstr("cloud.width: 25 x 18 is said, but the quantised cloud has 24 x 18"));
+              HasSubstr("cloud.width: the message says 25 x 18, but the quantised cloud has 24 x 18"));
   message = to_message(frame(true), {.codec = Codec::kRgbd}).value();
   message.set_height(1);
   EXPECT_THAT(decode_cloud(message, kAll).status().ToString(),
-              HasSubstr("24 x 1 is said, but the depth image has 24 x 18"));
+              HasSubstr("the message says 24 x 1, but the depth image has 24 x 18"));
   message.set_height(18);
   message.mutable_rgbd()->set_fx(0);
   EXPECT_THAT(decode_cloud(message, kAll).status().ToString(), HasSubstr("fx is 0"));

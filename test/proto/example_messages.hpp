@@ -11,7 +11,7 @@
 
 namespace segserve::wire {
 
-/// Six points in two rows, one of them not finite, all of different colors.
+/// A cloud of six points in two rows. One point is not finite, and all colors differ.
 inline Cloud small_cloud() {
   Cloud cloud;
   cloud.x = {0.0F, 0.1F, 0.2F, -0.0F, 1e-30F, NAN};
@@ -24,7 +24,8 @@ inline Cloud small_cloud() {
   return cloud;
 }
 
-/// Twelve points in three rows as a pinhole camera sees them, one of them not finite: every codec can encode it.
+/// A cloud of twelve points in three rows, as a pinhole camera sees them, so that every codec can encode it. One point
+/// is not finite.
 inline Cloud small_camera_cloud() {
   Cloud cloud;
   cloud.width = 4;
@@ -40,7 +41,7 @@ inline Cloud small_camera_cloud() {
   return cloud;
 }
 
-/// Three supervoxels: 1 and 2 merged by an edge, then joined with 3.
+/// The tree of three supervoxels. An edge merges 1 and 2, and their region is then joined with 3.
 inline MergeTree small_tree() {
   return {.leaf_points = {2, 2, 1},
           .left = {0, 2},
@@ -52,7 +53,7 @@ inline MergeTree small_tree() {
           .kind = {MergeKind::kMerged, MergeKind::kJoined}};
 }
 
-/// A chain of `leaves` supervoxels, of one point each, that compresses well.
+/// A tree that compresses well. It merges `leaves` supervoxels of one point each, one after the other.
 inline MergeTree chain_tree(std::uint32_t leaves) {
   TreeColumns columns;
   columns.leaf_points.assign(leaves, 1);
@@ -65,7 +66,7 @@ inline MergeTree chain_tree(std::uint32_t leaves) {
   return complete(std::move(columns)).value();
 }
 
-/// Of two segments with 4 and 1 points; only the first has color and normal.
+/// The statistics of two segments with 4 points and 1 point. Only the first has a color and a normal.
 inline std::vector<SegmentStatistics> small_statistics() {
   SegmentStatistics first, second;
   first.points = 4;

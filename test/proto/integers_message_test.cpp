@@ -22,26 +22,26 @@ TEST(WireIntegers, RoundTripInTheSmallestWidth) {
   }
 }
 
-TEST(WireIntegers, RefusesWhatDoesNotFit) {
+TEST(WireIntegers, RefusesAnotherCountRangeOrWidth) {
   const v1::IntegerArray good = to_message(std::vector<std::uint32_t>{1, 2, 3}, v1::COMPRESSION_NONE).value();
   const auto error_of = [](const v1::IntegerArray& message, std::uint64_t count, std::uint32_t maximum) {
     const absl::Status status = from_message(message, count, maximum, "ids").status();
     EXPECT_EQ(details_of(status).reason, ErrorReason::kMalformedPayload);
     return std::string(status.message());
   };
-  EXPECT_THAT(error_of(good, 4, 3), HasSubstr("3 values, but must have 4"));
-  EXPECT_THAT(error_of(good, 3, 2), HasSubstr("holds 3"));
+  EXPECT_THAT(error_of(good, 4, 3), HasSubstr("ids: has 3 values, but must have 4"));
+  EXPECT_THAT(error_of(good, 3, 2), HasSubstr("ids: holds 3, but the largest allowed value is 2"));
 
   v1::IntegerArray wide = good;
   wide.set_bytes_per_value(3);
-  EXPECT_THAT(error_of(wide, 3, 3), HasSubstr("3 bytes per value"));
+  EXPECT_THAT(error_of(wide, 3, 3), HasSubstr("ids: has 3 bytes per value, but must have 1, 2 or 4"));
   wide.set_bytes_per_value(2);
   EXPECT_THAT(error_of(wide, 3, 3), HasSubstr("ids: claims 3 bytes, but must have 6"));
 }
 
-/// Such a count comes from a result whose summary agrees with it, so that only the size of the bytes can refute it.
+/// The count comes from a result whose summary agrees with it, so that only the size of the bytes refutes it.
 TEST(WireIntegers, RefusesACountWhoseBytesOverflow) {
-  constexpr std::uint64_t kCount = (std::uint64_t{1} << 62U) + 1;  // times 4 it is 4
+  constexpr std::uint64_t kCount = (std::uint64_t{1} << 62U) + 1;  // Times 4 it is 4 in 64 bits.
   v1::IntegerArray message = to_message(std::vector<std::uint32_t>{0xffffffff}, v1::COMPRESSION_NONE).value();
   message.set_count(kCount);
   const absl::Status status = from_message(message, kCount, 0xffffffff, "ids").status();

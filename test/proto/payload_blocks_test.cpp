@@ -33,7 +33,7 @@ TEST(PayloadBlocks, AbsentBlocksAreSkipped) {
   EXPECT_EQ(payload_bytes(nothing), 0U);
 }
 
-/// Detaches the bytes as a stream does, and puts them back in chunks.
+/// Takes the bytes out of the message as a stream does, and puts them back.
 TEST(PayloadBlocks, BytesCanFollowTheirHeader) {
   for (const auto compression : {v1::COMPRESSION_NONE, v1::COMPRESSION_ZSTD}) {
     const v1::Cloud whole = to_planar_message(small_cloud(), compression).value();
@@ -44,6 +44,8 @@ TEST(PayloadBlocks, BytesCanFollowTheirHeader) {
       data->clear();
     }
     ASSERT_EQ(run.size(), payload_bytes(header));
+    EXPECT_TRUE(payload_has_data(whole));
+    EXPECT_FALSE(payload_has_data(header));
     std::size_t at = 0;
     const std::vector<std::uint64_t> sizes = payload_block_sizes(header);
     const std::vector<std::string*> data = payload_blocks(header);
@@ -58,7 +60,7 @@ TEST(PayloadBlocks, SizesThatOverflowAreNotTakenForSmallOnes) {
   EXPECT_EQ(payload_bytes(message), std::numeric_limits<std::uint64_t>::max());
 }
 
-TEST(PayloadBlocks, OfImagesAndDraco) {
+TEST(PayloadBlocks, OfEveryPayloadComeInTheOrderOfTheirFields) {
   v1::Cloud message;
   message.mutable_rgbd()->mutable_color()->set_encoded_bytes(2);
   message.mutable_rgbd()->mutable_depth()->set_encoded_bytes(1);

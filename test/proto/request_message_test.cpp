@@ -2,9 +2,11 @@
 #include "proto/wire/request_message.hpp"
 
 #include <string>
+#include <vector>
 
 #include "gmock/gmock.h"
 #include "proto/wire/cloud_message.hpp"
+#include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 #include "test/proto/example_messages.hpp"
 
@@ -15,6 +17,12 @@ v1::SegmentRequest good_request() {
   v1::SegmentRequest request;
   *request.mutable_cloud() = to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value();
   return request;
+}
+
+std::vector<std::string> wrong_fields(const absl::Status& status) {
+  std::vector<std::string> fields;
+  for (const FieldViolation& fault : details_of(status).fields) fields.push_back(fault.field);
+  return fields;
 }
 
 TEST(WireRequest, WithoutOutputsMeansPlainLabels) {
@@ -45,9 +53,18 @@ TEST(WireRequest, NamesEveryWrongFieldOfEveryPart) {
   const absl::Status status = parse_request(request, {}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);
   EXPECT_EQ(details_of(status).reason, ErrorReason::kInvalidField);
-  std::vector<std::string> fields;
-  for (const FieldViolation& fault : details_of(status).fields) fields.push_back(fault.field);
-  EXPECT_THAT(fields, testing::UnorderedElementsAre("request_id", "cloud.width", "options.threshold"));
+  EXPECT_THAT(wrong_fields(status), testing::UnorderedElementsAre("request_id", "cloud.width", "options.threshold"));
+}
+
+TEST(WireRequest, AFrameHeaderAnnouncesItsBytesAndHoldsNone) {
+  v1::FrameHeader header;
+  *header.mutable_cloud() = to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value();
+  header.set_encoded_bytes(90);
+  EXPECT_THAT(wrong_fields(parse_frame(header, {}, {}).status()), testing::ElementsAre("cloud"));
+  for (std::string* data : payload_blocks(*header.mutable_cloud())) data->clear();
+  EXPECT_TRUE(parse_frame(header, {}, {}).ok());
+  header.set_encoded_bytes(91);
+  EXPECT_THAT(wrong_fields(parse_frame(header, {}, {}).status()), testing::ElementsAre("encoded_bytes"));
 }
 
 TEST(WireRequest, NeedsACloud) { EXPECT_EQ(details_of(parse_request({}, {}).status()).fields.at(0).field, "cloud"); }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr Outputs kEverything{.labels = true, .supervoxels = true, .tree = true, .segments = true};
 
-/// Six points, the last not finite; two segments of three supervoxels (see small_tree).
+/// The result of six points, of which the last is not finite. It has two segments of three supervoxels (small_tree).
 Result small_result() {
   Result result;
   result.segmentation.labels = {1, 1, 1, 1, 2, 0};
@@ -73,7 +73,7 @@ TEST(WireResult, RoundTrips) {
     EXPECT_EQ(read->segmentation.timings.merging, 5);
     EXPECT_EQ(read->segmentation.statistics, expected.segmentation.statistics);
     EXPECT_EQ(read->segmentation.timings.segments, 10);
-    EXPECT_EQ(read->segmentation.timings.total, 31) << "of the stages";
+    EXPECT_EQ(read->segmentation.timings.total, 31) << "the sum of the stages";
     EXPECT_EQ(read->supervoxels, 3U);
     EXPECT_EQ(read->method, Method::kColor);
     EXPECT_EQ(read->segmentation.threshold, 0.5);
@@ -135,46 +135,33 @@ TEST(WireResult, ATreeWithoutColumnsIsRefused) {
   EXPECT_THAT(refusal(message), testing::HasSubstr("tree.leaf_points"));
 }
 
-TEST(WireResult, MustBeOfTheCloudThatWasSent) { EXPECT_THAT(refusal(small_message(), 7), testing::HasSubstr("7")); }
+TEST(WireResult, MustBeOfTheCloudThatWasSent) {
+  EXPECT_THAT(refusal(small_message(), 7), testing::HasSubstr("the result has 6 points, but the cloud has 7"));
+}
 
 TEST(WireResult, MustAgreeWithItself) {
-  v1::SegmentationResult message = small_message();
-  message.mutable_summary()->set_segments(1);  // but a label is 2
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->set_supervoxels(4);  // but the tree has 3 leaves
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->set_segmented_points(4);  // but the tree has 5
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->set_finite_points(7);  // of 6
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->set_segmented_points(6);  // of 5 finite ones
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->mutable_support_plane()->set_points(1);  // but all 5 finite ones are segmented
-  refusal(message);
-
-  message = small_message();
-  message.mutable_segments(0)->set_points(3);  // of 4
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->clear_view();
-  refusal(message);
-
-  message = small_message();
-  message.mutable_summary()->clear_method();
-  refusal(message);
-
-  refusal({});
+  const auto refusal_of = [](const auto& damage) {
+    v1::SegmentationResult message = small_message();
+    damage(message, *message.mutable_summary());
+    return refusal(message);
+  };
+  using testing::HasSubstr;
+  constexpr const char* kContradiction = "the numbers of the summary contradict each other";
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.set_segments(1); }), HasSubstr("labels: holds 2"));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.set_supervoxels(4); }),
+              HasSubstr("tree.leaf_points: has 3 values, but must have 4"));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.set_segmented_points(4); }),
+              HasSubstr("have 5 points, but by the summary 2 segments have 4 points"));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.set_finite_points(7); }), HasSubstr(kContradiction));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.set_segmented_points(6); }), HasSubstr(kContradiction));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.mutable_support_plane()->set_points(1); }),
+              HasSubstr(kContradiction))
+      << "all five finite points are segmented";
+  EXPECT_THAT(refusal_of([](auto& message, auto&) { message.mutable_segments(0)->set_points(3); }),
+              HasSubstr("have 4 points, but by the summary 2 segments have 5 points"));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.clear_view(); }), HasSubstr("which view was used"));
+  EXPECT_THAT(refusal_of([](auto&, auto& summary) { summary.clear_method(); }), HasSubstr("which method was used"));
+  EXPECT_THAT(refusal({}), HasSubstr("the result has 0 points, but the cloud has 6"));
 }
 
 }  // namespace

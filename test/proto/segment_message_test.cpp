@@ -29,30 +29,33 @@ TEST(WireSegments, RoundTrip) {
   EXPECT_TRUE(from_message({}, 0, 0)->empty());
 }
 
-TEST(WireSegments, MustBeAllAndAddUp) {
+TEST(WireSegments, MustBeCompleteAndAddUp) {
   const SegmentMessages messages = to_message(small_statistics());
-  EXPECT_THAT(refusal(messages, 3), testing::HasSubstr("2 entries for 3 segments"));
-  EXPECT_THAT(refusal(messages, 1), testing::HasSubstr("2 entries for 1 segments"));
-  EXPECT_THAT(refusal({}), testing::HasSubstr("0 entries"));
-  EXPECT_THAT(refusal(messages, 2, 6), testing::HasSubstr("5 points in 2 segments, but 6 points"));
-  EXPECT_THAT(refusal(messages, 2, 4), testing::HasSubstr("5 points in 2 segments, but 4 points"));
+  EXPECT_THAT(refusal(messages, 3), testing::HasSubstr("segments: has 2 entries, but must have 3"));
+  EXPECT_THAT(refusal(messages, 1), testing::HasSubstr("segments: has 2 entries, but must have 1"));
+  EXPECT_THAT(refusal({}), testing::HasSubstr("segments: has 0 entries, but must have 2"));
+  EXPECT_THAT(refusal(messages, 2, 6),
+              testing::HasSubstr("2 segments have 5 points, but by the summary 2 segments have 6 points"));
+  EXPECT_THAT(refusal(messages, 2, 4),
+              testing::HasSubstr("2 segments have 5 points, but by the summary 2 segments have 4 points"));
 }
 
 TEST(WireSegments, AreTheLargestIfThereAreTooMany) {
   std::vector<SegmentStatistics> many(kMostDescribedSegments, small_statistics()[1]);
   EXPECT_TRUE(from_message(to_message(many), kMostDescribedSegments + 3, kMostDescribedSegments + 3).ok());
-  EXPECT_THAT(refusal(to_message(many), kMostDescribedSegments + 3, kMostDescribedSegments + 2),
-              testing::HasSubstr("10002 points of 10003 segments"));
+  EXPECT_THAT(
+      refusal(to_message(many), kMostDescribedSegments + 3, kMostDescribedSegments + 2),
+      testing::HasSubstr("10000 segments have 10000 points, but by the summary 10003 segments have 10002 points"));
   many.push_back(many[0]);
   EXPECT_THAT(refusal(to_message(many), kMostDescribedSegments + 1, kMostDescribedSegments + 1),
-              testing::HasSubstr("10001 entries for 10001 segments"));
+              testing::HasSubstr("segments: has 10001 entries, but must have 10000"));
 }
 
 TEST(WireSegments, FitAMessageOfTheSizeThatClientsReadByDefault) {
   constexpr std::size_t kDefaultReceiveBytes = 4 << 20;
   SegmentStatistics large = small_statistics()[0];
   large.points = 0x7fffffff;
-  const double third = 1.0 / 3;  // not zero, which takes no bytes
+  const double third = 1.0 / 3;  // A zero would take no bytes in the message.
   large.box.axes.setConstant(third);
   for (Eigen::Vector3d* v :
        {&large.centroid, &large.box.center, &large.box.half_extents, &*large.color, &*large.normal}) {
@@ -63,15 +66,15 @@ TEST(WireSegments, FitAMessageOfTheSizeThatClientsReadByDefault) {
   EXPECT_LT(result.ByteSizeLong(), kDefaultReceiveBytes / 8 * 5) << "the rest is for summary and header";
 }
 
-TEST(WireSegments, MustBeSegments) {
+TEST(WireSegments, RefusesValuesThatNoSegmentHas) {
   using Damage = std::function<void(v1::Segment&)>;
   const std::pair<Damage, const char*> cases[] = {
-      {[](auto& s) { s.set_points(0); }, "segment 1: points: 0"},
-      {[](auto& s) { s.mutable_centroid()->set_y(kNan); }, "centroid"},
-      {[](auto& s) { s.clear_box(); }, "box.axes: 0, not 3"},
-      {[](auto& s) { s.mutable_box()->add_axes()->set_x(1); }, "box.axes: 4, not 3"},
+      {[](auto& s) { s.set_points(0); }, "segment 1: points: must be at least 1"},
+      {[](auto& s) { s.mutable_centroid()->set_y(kNan); }, "segment 1: centroid: must be finite"},
+      {[](auto& s) { s.clear_box(); }, "box.axes: has 0 axes, but must have 3"},
+      {[](auto& s) { s.mutable_box()->add_axes()->set_x(1); }, "box.axes: has 4 axes, but must have 3"},
       {[](auto& s) { s.mutable_box()->mutable_center()->set_z(kInfinity); }, "box.center"},
-      {[](auto& s) { s.mutable_box()->mutable_axes(0)->set_y(-1); }, "box.axes"},  // left-handed
+      {[](auto& s) { s.mutable_box()->mutable_axes(0)->set_y(-1); }, "box.axes"},  // The axes are left-handed then.
       {[](auto& s) { s.mutable_box()->mutable_axes(1)->set_x(0.61); }, "box.axes"},
       {[](auto& s) { s.mutable_box()->mutable_axes(2)->set_x(kNan); }, "box.axes"},
       {[](auto& s) { s.mutable_box()->mutable_half_extents()->set_x(-1e-9); }, "box.half_extents"},
@@ -88,7 +91,7 @@ TEST(WireSegments, MustBeSegments) {
   }
   SegmentMessages messages = to_message(small_statistics());
   messages.SwapElements(0, 1);
-  EXPECT_THAT(refusal(messages), testing::HasSubstr("segment 2: points: 4, more than of the one before"));
+  EXPECT_THAT(refusal(messages), testing::HasSubstr("segment 2: points: is 4, more than in the segment before"));
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ TEST(WireStatus, LimitExceededNamesLimitAndValues) {
   EXPECT_EQ(details_of(status).metadata.at("allowed"), "5");
 }
 
-TEST(WireStatus, GrpcsOwnRefusalOfALargeMessageIsOurs) {
+TEST(WireStatus, GrpcsRefusalOfALargeMessageGetsOurReason) {
   const absl::Status status =
       from_grpc({grpc::StatusCode::RESOURCE_EXHAUSTED, "Received message larger than max (10 vs. 9)"});
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);

@@ -15,12 +15,12 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr std::uint32_t kLeaves = 3, kPoints = 5;  // of small_tree
+constexpr std::uint32_t kLeaves = 3, kPoints = 5;  // These are the numbers of small_tree.
 constexpr std::uint64_t kAbsurd = std::uint64_t{1} << 62U;
 
 v1::MergeTree small_message() { return to_message(small_tree(), v1::COMPRESSION_NONE).value(); }
 
-/// The message of the refusal of the small tree after a change.
+/// The message of the error for the small tree after a change.
 template <typename Change>
 std::string refusal(Change&& change) {
   v1::MergeTree message = small_message();
@@ -73,26 +73,26 @@ TEST(WireTree, RefusesColumnsOfAnotherLength) {
   EXPECT_THAT(refusal([](auto& m) {
                 *m.mutable_leaf_points() = array({2, 3});
               }),
-              HasSubstr("tree.leaf_points: 2 values, but must have 3"));
-  EXPECT_THAT(refusal([](auto& m) { *m.mutable_left() = array({0}); }), HasSubstr("tree.left: 1 values"));
-  EXPECT_THAT(refusal([](auto& m) { *m.mutable_right() = array({1, 3, 4}); }), HasSubstr("tree.right: 3 values"));
+              HasSubstr("tree.leaf_points: has 2 values, but must have 3"));
+  EXPECT_THAT(refusal([](auto& m) { *m.mutable_left() = array({0}); }), HasSubstr("tree.left: has 1 values"));
+  EXPECT_THAT(refusal([](auto& m) { *m.mutable_right() = array({1, 3, 4}); }), HasSubstr("tree.right: has 3 values"));
   EXPECT_THAT(refusal([](auto& m) { m.clear_weight(); }), HasSubstr("tree.weight: has 0 bytes, but must have 16"));
   EXPECT_THAT(refusal([](auto& m) { m.mutable_left()->mutable_data()->mutable_data()->push_back('x'); }),
               HasSubstr("tree.left"));
-  EXPECT_THAT(refusal([](auto& m) { m.Clear(); }), HasSubstr("tree.leaf_points: 0 values"));
+  EXPECT_THAT(refusal([](auto& m) { m.Clear(); }), HasSubstr("tree.leaf_points: has 0 values"));
   const v1::MergeTree message = small_message();
   EXPECT_THAT(std::string(from_message(message, kLeaves + 1, kPoints).status().message()), HasSubstr("must have 4"));
 }
 
-TEST(WireTree, BelievesNoLength) {
+TEST(WireTree, RefusesLengthsThatTheBytesDoNotHave) {
   EXPECT_THAT(refusal([](auto& m) { m.mutable_leaf_points()->set_count(kAbsurd); }), HasSubstr("4611686018427387904"));
   EXPECT_THAT(refusal([](auto& m) { m.mutable_left()->mutable_data()->set_decoded_bytes(kAbsurd); }),
               HasSubstr("tree.left: claims 4611686018427387904 bytes, but must have 2"));
   EXPECT_THAT(refusal([](auto& m) { m.mutable_weight()->set_encoded_bytes(kAbsurd); }),
               HasSubstr("tree.weight: claims 4611686018427387904 encoded bytes"));
   EXPECT_THAT(refusal([](auto& m) { m.mutable_right()->set_bytes_per_value(3); }),
-              HasSubstr("tree.right: 3 bytes per value"));
-  // Where the summary agrees with an absurd number of supervoxels, there are no bytes to decompress so many from.
+              HasSubstr("tree.right: has 3 bytes per value"));
+  // If the summary agrees with an absurd number of supervoxels, the compressed bytes are too few for them.
   v1::MergeTree message = to_message(chain_tree(70'000), v1::COMPRESSION_ZSTD).value();
   constexpr std::uint32_t kMany = std::numeric_limits<std::uint32_t>::max();
   message.mutable_leaf_points()->set_count(kMany);
@@ -100,9 +100,13 @@ TEST(WireTree, BelievesNoLength) {
   EXPECT_THAT(std::string(from_message(message, kMany, kMany).status().message()), HasSubstr("tree.leaf_points"));
 }
 
-TEST(WireTree, RefusesWhatIsNoTree) {
+TEST(WireTree, RefusesColumnsThatAreNotATree) {
   EXPECT_THAT(refusal([](auto& m) { *m.mutable_left() = array({1, 2}); }), HasSubstr("row 0: left 1 and right 1"));
-  EXPECT_THAT(refusal([](auto& m) { *m.mutable_right() = array({3, 4}); }), HasSubstr("row 0"));  // its own parent
+  EXPECT_THAT(refusal([](auto& m) {
+                *m.mutable_right() = array({3, 4});
+              }),
+              HasSubstr("row 0"))
+      << "node 3 is its own child";
   EXPECT_THAT(refusal([](auto& m) { m.set_merged_rows(3); }), HasSubstr("3 of 2 rows"));
   EXPECT_THAT(refusal([](auto& m) {
                 m.mutable_weight()->set_data(bytes_of({std::numeric_limits<double>::quiet_NaN(), 1}));
@@ -114,7 +118,7 @@ TEST(WireTree, MustHaveThePointsOfTheSummary) {
   EXPECT_THAT(refusal([](auto& m) {
                 *m.mutable_leaf_points() = array({2, 2, 2});
               }),
-              HasSubstr("tree.leaf_points: 6 points of 5"));
+              HasSubstr("tree.leaf_points: the sum is 6 points, but must be 5"));
 }
 
 }  // namespace

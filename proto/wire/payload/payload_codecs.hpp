@@ -9,12 +9,12 @@
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/cloud.pb.h"
 
-// Each kind of payload in a file of its own: a message's payload into a cloud and back. For wire/cloud.cpp and
-// wire/codec.cpp alone, which choose by kind.
+// The functions that decode and encode one kind of payload each; every kind has a source file of its own. Only
+// cloud_message.cpp and codec_message.cpp include this header. They choose the function by kind.
 namespace segserve::wire {
 
-// The fields around the payload have been checked (wire::violations); `view` is set unless the payload has its own.
-// Errors as those of wire::decode_cloud.
+// The decoders expect that the fields around the payload have no wire::violations. `view` is the view that the message
+// gives; it is set unless the payload has a view of its own. Errors are those of wire::decode_cloud.
 absl::StatusOr<DecodedCloud> decode_planar(const v1::Cloud& message, const std::optional<View>& view,
                                            const codec::DecodeLimits& limits, const StopToken& stop);
 absl::StatusOr<DecodedCloud> decode_pcd_file(const v1::Cloud& message, const std::optional<View>& view,
@@ -28,7 +28,8 @@ absl::StatusOr<DecodedCloud> decode_rgbd(const v1::Cloud& message, const std::op
 absl::StatusOr<DecodedCloud> decode_draco(const v1::Cloud& message, const std::optional<View>& view,
                                           const codec::DecodeLimits& limits, const StopToken& stop);
 
-// Errors as those of wire::to_message. Planar and PCD: wire/cloud.hpp.
+// The encoders. Errors are those of wire::to_message(cloud, codec_options). The encoders of planar clouds and PCD files
+// are in cloud_message.hpp.
 absl::StatusOr<v1::Cloud> to_strided_message(const CloudView& cloud, v1::Compression compression);
 absl::StatusOr<v1::Cloud> to_quantised_message(const CloudView& cloud, double error_bound);
 absl::StatusOr<v1::Cloud> to_rgbd_message(const CloudView& cloud, int jpeg_quality);

@@ -20,23 +20,26 @@ absl::Status decode_error(const absl::Status& status) {
                                     {"actual", fmt::format("{}", excess->actual)}}});
 }
 
+std::uint64_t points_of_shape(const v1::Cloud& message) { return std::uint64_t{message.width()} * message.height(); }
+
 absl::Status check_limits(std::uint64_t points, std::uint64_t bytes, const codec::DecodeLimits& limits) {
-  if (points > limits.max_points)
+  if (points > limits.max_points) {
     return limit_exceeded("the cloud has", points, "points", "max_points", limits.max_points);
+  }
   if (bytes > limits.max_bytes) {
     return limit_exceeded("the cloud decodes to", bytes, "bytes", "max_decoded_bytes", limits.max_bytes);
   }
   return absl::OkStatus();
 }
 
-absl::Status check_shape_agrees(const v1::Cloud& message, const Cloud& cloud, std::string_view what) {
+absl::Status check_shape_agrees(const v1::Cloud& message, const Cloud& cloud, std::string_view source) {
   const bool shape_is_given = message.width() != 0 || message.height() != 0;
   if (!shape_is_given || (message.width() == cloud.width && message.height() == cloud.height)) return absl::OkStatus();
-  return invalid_fields({{"cloud.width", fmt::format("{} x {} is said, but {} has {} x {}", message.width(),
-                                                     message.height(), what, cloud.width, cloud.height)}});
+  return invalid_fields({{"cloud.width", fmt::format("the message says {} x {}, but {} has {} x {}", message.width(),
+                                                     message.height(), source, cloud.width, cloud.height)}});
 }
 
-v1::Cloud message_around(const CloudView& cloud) {
+v1::Cloud message_without_payload(const CloudView& cloud) {
   v1::Cloud message;
   message.set_width(cloud.width);
   message.set_height(cloud.height);

@@ -6,27 +6,39 @@
 #include <string_view>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/v1/cloud.pb.h"
 
-// What the decoders of several payloads have in common.
+// Functions that several kinds of payload share.
 namespace segserve::wire {
 
-/// What a decoder of segserve::codec found: damage (MALFORMED_PAYLOAD), or a limit of v1.Limits exceeded; that it
-/// was stopped stays as it is.
+/// Gives the error of a decoder of segserve::codec its reason: LIMIT_EXCEEDED with the limit of v1.Limits, or else
+/// MALFORMED_PAYLOAD. CANCELLED and DEADLINE_EXCEEDED stay as they are.
 absl::Status decode_error(const absl::Status& status);
 
-/// LIMIT_EXCEEDED unless so many points, and so many bytes of them, are allowed.
+/// Passes on what a decoder of segserve::codec returned, with the reason of decode_error if it is an error.
+template <typename Decoded>
+absl::StatusOr<Decoded> with_decode_reason(absl::StatusOr<Decoded> decoded) {
+  if (!decoded.ok()) return decode_error(decoded.status());
+  return decoded;
+}
+
+/// The number of points of the shape that the message gives, which cannot overflow.
+std::uint64_t points_of_shape(const v1::Cloud& message);
+
+/// LIMIT_EXCEEDED if a cloud of this many points, or of this many bytes after decompression, is not allowed.
 absl::Status check_limits(std::uint64_t points, std::uint64_t bytes, const codec::DecodeLimits& limits);
 
-/// INVALID_FIELD if the message says a shape and `what` ("the PCD file") has another one.
-absl::Status check_shape_agrees(const v1::Cloud& message, const Cloud& cloud, std::string_view what);
+/// INVALID_FIELD if the message gives a shape and the decoded cloud has another one. `source` is what the error message
+/// calls the payload, e.g. "the PCD file".
+absl::Status check_shape_agrees(const v1::Cloud& message, const Cloud& cloud, std::string_view source);
 
-/// A message with the cloud's shape and view.
-v1::Cloud message_around(const CloudView& cloud);
+/// A message with the shape and view of the cloud, but without a payload.
+v1::Cloud message_without_payload(const CloudView& cloud);
 
-/// The rule by which a view was chosen that the request names: for people.
+/// The view rule of a cloud whose request gives the view: one line for people.
 std::string requested_view_rule(const View& view);
 
 }  // namespace segserve::wire

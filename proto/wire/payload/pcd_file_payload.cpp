@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "proto/wire/block_message.hpp"
 #include "proto/wire/payload/payload_codecs.hpp"
 #include "proto/wire/payload/payload_support.hpp"
@@ -13,13 +14,12 @@ namespace segserve::wire {
 absl::StatusOr<DecodedCloud> decode_pcd_file(const v1::Cloud& message, const std::optional<View>& view,
                                              const codec::DecodeLimits& limits, const StopToken& stop) {
   std::string buffer;
-  const auto bytes = block_bytes_up_to(message.pcd_file().file(), limits.max_bytes, "cloud.pcd_file.file", buffer);
-  if (!bytes.ok()) return bytes.status();
-  absl::StatusOr<codec::LabelledCloud> decoded =
-      codec::decode_pcd(std::as_bytes(std::span(*bytes)), limits, view, stop);
-  if (!decoded.ok()) return decode_error(decoded.status());
-  if (absl::Status status = check_shape_agrees(message, decoded->cloud, "the PCD file"); !status.ok()) return status;
-  return DecodedCloud{std::move(decoded->cloud), std::move(decoded->view_rule)};
+  ASSIGN_OR_RETURN(const std::string_view bytes,
+                   block_bytes_up_to(message.pcd_file().file(), limits.max_bytes, "cloud.pcd_file.file", buffer));
+  ASSIGN_OR_RETURN(auto decoded,
+                   with_decode_reason(codec::decode_pcd(std::as_bytes(std::span(bytes)), limits, view, stop)));
+  RETURN_IF_ERROR(check_shape_agrees(message, decoded.cloud, "the PCD file"));
+  return DecodedCloud{std::move(decoded.cloud), std::move(decoded.view_rule)};
 }
 
 v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view) {

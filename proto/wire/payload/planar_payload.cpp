@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstdint>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "core/base/status_macros.hpp"
 #include "proto/wire/block_message.hpp"
 #include "proto/wire/payload/payload_codecs.hpp"
 #include "proto/wire/payload/payload_support.hpp"
@@ -13,73 +18,60 @@ namespace {
 constexpr std::uint64_t kCoordinateBytes = 4;
 constexpr std::uint64_t kColorBytes = 3;
 
-/// One plane after the other, so that an error names its block.
-class PlaneReader {
- public:
-  explicit PlaneReader(const StopToken& stop) : stop_(stop) {}
-
-  std::string_view read(const v1::Block& block, std::uint64_t bytes, std::string_view name, std::string& buffer) {
-    if (status_.ok()) status_ = stop_.check();
-    if (!status_.ok()) return {};
-    const absl::StatusOr<std::string_view> plane = block_bytes(block, bytes, name, buffer);
-    status_ = plane.status();
-    return plane.ok() ? *plane : std::string_view();
+/// The bytes of the planes of a message. A plane that was compressed lies in `buffers`, and the others in the message.
+absl::StatusOr<codec::PlanarBytes> read_planes(const v1::PlanarCloud& message, std::uint64_t points, bool has_color,
+                                               const StopToken& stop, codec::PlanarPlanes& buffers) {
+  const std::uint64_t plane_bytes = kCoordinateBytes * points;
+  codec::PlanarBytes planes;
+  RETURN_IF_ERROR(stop.check());
+  ASSIGN_OR_RETURN(planes.x, block_bytes(message.x(), plane_bytes, "cloud.planar.x", buffers.x));
+  RETURN_IF_ERROR(stop.check());
+  ASSIGN_OR_RETURN(planes.y, block_bytes(message.y(), plane_bytes, "cloud.planar.y", buffers.y));
+  RETURN_IF_ERROR(stop.check());
+  ASSIGN_OR_RETURN(planes.z, block_bytes(message.z(), plane_bytes, "cloud.planar.z", buffers.z));
+  if (has_color) {
+    RETURN_IF_ERROR(stop.check());
+    ASSIGN_OR_RETURN(planes.rgb, block_bytes(message.rgb(), kColorBytes * points, "cloud.planar.rgb", buffers.rgb));
   }
-  const absl::Status& status() const { return status_; }
-
- private:
-  const StopToken& stop_;
-  absl::Status status_;
-};
+  return planes;
+}
 
 }  // namespace
 
 absl::StatusOr<DecodedCloud> decode_planar(const v1::Cloud& message, const std::optional<View>& view,
                                            const codec::DecodeLimits& limits, const StopToken& stop) {
   const v1::PlanarCloud& planar = message.planar();
-  const std::uint64_t points = std::uint64_t{message.width()} * message.height();
+  const std::uint64_t points = points_of_shape(message);
   const bool has_color = !planar.rgb().data().empty() || planar.rgb().decoded_bytes() != 0;
-  // A point takes at most 15 bytes, so the product cannot overflow once max_points is kept.
-  if (const absl::Status status = check_limits(points, 0, limits); !status.ok()) return status;
+  // The points are checked first, so that the product below cannot overflow.
+  RETURN_IF_ERROR(check_limits(points, 0, limits));
   const std::uint64_t bytes = points * (3 * kCoordinateBytes + (has_color ? kColorBytes : 0));
-  if (const absl::Status status = check_limits(points, bytes, limits); !status.ok()) return status;
+  RETURN_IF_ERROR(check_limits(points, bytes, limits));
 
   codec::PlanarPlanes buffers;
-  codec::PlanarBytes planes;
-  PlaneReader reader(stop);
-  planes.x = reader.read(planar.x(), kCoordinateBytes * points, "cloud.planar.x", buffers.x);
-  planes.y = reader.read(planar.y(), kCoordinateBytes * points, "cloud.planar.y", buffers.y);
-  planes.z = reader.read(planar.z(), kCoordinateBytes * points, "cloud.planar.z", buffers.z);
-  if (has_color) planes.rgb = reader.read(planar.rgb(), kColorBytes * points, "cloud.planar.rgb", buffers.rgb);
-  if (!reader.status().ok()) return reader.status();
-
-  auto cloud = codec::decode_planar(planes, message.width(), message.height(), *view, limits, stop);
-  if (!cloud.ok()) return decode_error(cloud.status());
-  const bool decompressed = !buffers.x.empty() || !buffers.y.empty() || !buffers.z.empty();
-  if (decompressed) cloud = (*std::move(cloud)).to_cloud();  // the buffers end here
-  return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
+  ASSIGN_OR_RETURN(const codec::PlanarBytes planes, read_planes(planar, points, has_color, stop, buffers));
+  ASSIGN_OR_RETURN(BorrowingCloud cloud, with_decode_reason(codec::decode_planar(
+                                             planes, message.width(), message.height(), *view, limits, stop)));
+  const bool uses_buffers = !buffers.x.empty() || !buffers.y.empty() || !buffers.z.empty();
+  if (uses_buffers) cloud = std::move(cloud).to_cloud();
+  return DecodedCloud{std::move(cloud), requested_view_rule(*view)};
 }
 
 absl::StatusOr<v1::Cloud> to_planar_message(const CloudView& cloud, v1::Compression compression) {
   codec::PlanarPlanes planes = codec::encode_planar(cloud);
-  v1::Cloud message = message_around(cloud);
-  v1::PlanarCloud* planar = message.mutable_planar();
-  const auto put = [compression](std::string& plane, v1::Block* block) {
-    absl::StatusOr<v1::Block> made = to_block(std::move(plane), compression);
-    if (!made.ok()) return made.status();
-    *block = *std::move(made);
-    return absl::OkStatus();
-  };
-  absl::Status status = put(planes.x, planar->mutable_x());
-  if (status.ok()) status = put(planes.y, planar->mutable_y());
-  if (status.ok()) status = put(planes.z, planar->mutable_z());
-  if (status.ok() && cloud.has_color()) status = put(planes.rgb, planar->mutable_rgb());
-  if (!status.ok()) return status;
+  v1::Cloud message = message_without_payload(cloud);
+  v1::PlanarCloud& planar = *message.mutable_planar();
+  ASSIGN_OR_RETURN(*planar.mutable_x(), to_block(std::move(planes.x), compression));
+  ASSIGN_OR_RETURN(*planar.mutable_y(), to_block(std::move(planes.y), compression));
+  ASSIGN_OR_RETURN(*planar.mutable_z(), to_block(std::move(planes.z), compression));
+  if (cloud.has_color()) {
+    ASSIGN_OR_RETURN(*planar.mutable_rgb(), to_block(std::move(planes.rgb), compression));
+  }
   return message;
 }
 
 OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud) {
-  OutgoingCloud out{message_around(*cloud), nullptr};
+  OutgoingCloud out{message_without_payload(*cloud), nullptr};
   struct Owner {
     std::shared_ptr<const Cloud> cloud;
     std::unique_ptr<char[]> rgb;
@@ -87,18 +79,18 @@ OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud) {
   const auto owner = std::make_shared<Owner>();
   const codec::PlanarBytes planes = codec::encode_planar_in_place(*cloud, owner->rgb);
   owner->cloud = std::move(cloud);
-  v1::PlanarCloud* planar = out.message.mutable_planar();
+  v1::PlanarCloud& planar = *out.message.mutable_planar();
   std::vector<std::string_view> blocks;
-  const auto put = [&blocks](std::string_view bytes, v1::Block* block) {
-    block->set_compression(v1::COMPRESSION_NONE);
-    block->set_decoded_bytes(bytes.size());
-    block->set_encoded_bytes(bytes.size());
+  const auto announce = [&blocks](std::string_view bytes, v1::Block& block) {
+    block.set_compression(v1::COMPRESSION_NONE);
+    block.set_decoded_bytes(bytes.size());
+    block.set_encoded_bytes(bytes.size());
     blocks.push_back(bytes);
   };
-  put(planes.x, planar->mutable_x());
-  put(planes.y, planar->mutable_y());
-  put(planes.z, planar->mutable_z());
-  if (owner->cloud->has_color()) put(planes.rgb, planar->mutable_rgb());
+  announce(planes.x, *planar.mutable_x());
+  announce(planes.y, *planar.mutable_y());
+  announce(planes.z, *planar.mutable_z());
+  if (owner->cloud->has_color()) announce(planes.rgb, *planar.mutable_rgb());
   out.bytes = std::make_shared<const ByteRun>(std::move(blocks), owner);
   return out;
 }

@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/codec/rgbd/png_image.hpp"
 #include "proto/wire/block_message.hpp"
 #include "proto/wire/payload/payload_codecs.hpp"
@@ -16,19 +17,17 @@ absl::StatusOr<DecodedCloud> decode_rgbd(const v1::Cloud& message, const std::op
   const v1::RgbdImages& rgbd = message.rgbd();
   std::string depth_buffer;
   std::string color_buffer;
-  const auto depth = block_bytes_up_to(rgbd.depth(), limits.max_bytes, "cloud.rgbd.depth", depth_buffer);
-  if (!depth.ok()) return depth.status();
-  const auto color = block_bytes_up_to(rgbd.color(), limits.max_bytes, "cloud.rgbd.color", color_buffer);
-  if (!color.ok()) return color.status();
-  absl::StatusOr<Cloud> cloud =
-      codec::decode_rgbd({.depth = *depth,
-                          .color = *color,
-                          .depth_scale = rgbd.depth_scale(),
-                          .intrinsics = {.fx = rgbd.fx(), .fy = rgbd.fy(), .cx = rgbd.cx(), .cy = rgbd.cy()}},
-                         limits, stop);
-  if (!cloud.ok()) return decode_error(cloud.status());
-  if (absl::Status status = check_shape_agrees(message, *cloud, "the depth image"); !status.ok()) return status;
-  return DecodedCloud{*std::move(cloud), "CAMERA, as RGB-D images are"};
+  ASSIGN_OR_RETURN(const std::string_view depth,
+                   block_bytes_up_to(rgbd.depth(), limits.max_bytes, "cloud.rgbd.depth", depth_buffer));
+  ASSIGN_OR_RETURN(const std::string_view color,
+                   block_bytes_up_to(rgbd.color(), limits.max_bytes, "cloud.rgbd.color", color_buffer));
+  const codec::RgbdImages images{.depth = depth,
+                                 .color = color,
+                                 .depth_scale = rgbd.depth_scale(),
+                                 .intrinsics = {.fx = rgbd.fx(), .fy = rgbd.fy(), .cx = rgbd.cx(), .cy = rgbd.cy()}};
+  ASSIGN_OR_RETURN(Cloud cloud, with_decode_reason(codec::decode_rgbd(images, limits, stop)));
+  RETURN_IF_ERROR(check_shape_agrees(message, cloud, "the depth image"));
+  return DecodedCloud{std::move(cloud), "CAMERA, as RGB-D images are"};
 }
 
 v1::Cloud to_rgbd_message(codec::RgbdFiles images) {
@@ -51,9 +50,8 @@ v1::Cloud to_rgbd_message(codec::RgbdFiles images) {
 }
 
 absl::StatusOr<v1::Cloud> to_rgbd_message(const CloudView& cloud, int jpeg_quality) {
-  absl::StatusOr<codec::RgbdFiles> images = codec::encode_rgbd(cloud, {.jpeg_quality = jpeg_quality});
-  if (!images.ok()) return images.status();
-  return to_rgbd_message(*std::move(images));
+  ASSIGN_OR_RETURN(codec::RgbdFiles images, codec::encode_rgbd(cloud, {.jpeg_quality = jpeg_quality}));
+  return to_rgbd_message(std::move(images));
 }
 
 }  // namespace segserve::wire

@@ -2,6 +2,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "proto/wire/block_message.hpp"
 #include "proto/wire/payload/payload_codecs.hpp"
 #include "proto/wire/payload/payload_support.hpp"
@@ -10,13 +11,13 @@
 namespace segserve::wire {
 namespace {
 
-codec::StridedLayout layout_of(const v1::Cloud& message) {
+codec::StridedLayout read_layout(const v1::Cloud& message) {
   const v1::StridedCloud& strided = message.strided();
   codec::StridedLayout layout;
   layout.width = message.width();
   layout.height = message.height();
   for (const v1::PointField& field : strided.fields()) {
-    // Types beyond a byte do not exist; 0 does not either.
+    // A message may hold any number. 0 is no type, so that check_layout refuses it.
     const int type = field.datatype();
     const auto datatype = static_cast<codec::PointDatatype>(type > 0 && type < 256 ? type : 0);
     layout.fields.push_back({field.name(), field.offset(), datatype, field.count()});
@@ -31,19 +32,18 @@ codec::StridedLayout layout_of(const v1::Cloud& message) {
 
 absl::StatusOr<DecodedCloud> decode_strided(const v1::Cloud& message, const std::optional<View>& view,
                                             const codec::DecodeLimits& limits, const StopToken& stop) {
-  const codec::StridedLayout layout = layout_of(message);
+  const codec::StridedLayout layout = read_layout(message);
   if (const absl::Status status = codec::check_layout(layout, limits); !status.ok()) return decode_error(status);
   std::string buffer;
-  const auto data = block_bytes(message.strided().data(), layout.bytes(), "cloud.strided.data", buffer);
-  if (!data.ok()) return data.status();
-  absl::StatusOr<Cloud> cloud = codec::decode_strided(layout, *data, *view, limits, stop);
-  if (!cloud.ok()) return decode_error(cloud.status());
-  return DecodedCloud{*std::move(cloud), requested_view_rule(*view)};
+  ASSIGN_OR_RETURN(const std::string_view data,
+                   block_bytes(message.strided().data(), layout.bytes(), "cloud.strided.data", buffer));
+  ASSIGN_OR_RETURN(Cloud cloud, with_decode_reason(codec::decode_strided(layout, data, *view, limits, stop)));
+  return DecodedCloud{std::move(cloud), requested_view_rule(*view)};
 }
 
 absl::StatusOr<v1::Cloud> to_strided_message(const CloudView& cloud, v1::Compression compression) {
   codec::StridedCloud encoded = codec::encode_strided(cloud);
-  v1::Cloud message = message_around(cloud);
+  v1::Cloud message = message_without_payload(cloud);
   v1::StridedCloud& strided = *message.mutable_strided();
   for (const codec::PointField& field : encoded.layout.fields) {
     v1::PointField& entry = *strided.add_fields();
@@ -54,9 +54,7 @@ absl::StatusOr<v1::Cloud> to_strided_message(const CloudView& cloud, v1::Compres
   }
   strided.set_point_step(encoded.layout.point_step);
   strided.set_row_step(encoded.layout.row_step);
-  absl::StatusOr<v1::Block> data = to_block(std::move(encoded.data), compression);
-  if (!data.ok()) return data.status();
-  *strided.mutable_data() = *std::move(data);
+  ASSIGN_OR_RETURN(*strided.mutable_data(), to_block(std::move(encoded.data), compression));
   return message;
 }
 
