@@ -27,7 +27,7 @@ absl::StatusOr<wire::Result> segment_cloud(const CloudView& cloud, const std::st
 absl::StatusOr<wire::Result> segment_payload(const Payload& payload, const Options& options,
                                              const wire::Outputs& outputs, const StopToken& stop) {
   const auto start = std::chrono::steady_clock::now();
-  ASSIGN_OR_RETURN(const codec::LabelledCloud scene, decode(payload, stop));
+  ASSIGN_OR_RETURN(const codec::LabeledCloud scene, decode(payload, stop));
   const double decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
   ASSIGN_OR_RETURN(wire::Result result, segment_cloud(scene.cloud, scene.view_rule, options, outputs, stop));
   result.timings.decode = decode_ms;

@@ -72,10 +72,10 @@ Payload rgbd_payload(codec::RgbdFiles images) {
   return make_payload(std::move(message), points);
 }
 
-absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload, const StopToken& stop) {
+absl::StatusOr<codec::LabeledCloud> decode(const Payload& payload, const StopToken& stop) {
   const v1::Cloud message = message_of(payload);
   ASSIGN_OR_RETURN(wire::DecodedCloud decoded, wire::decode_cloud(message, {.draco = true}, stop));
-  return codec::LabelledCloud{std::move(decoded.cloud).to_cloud(), {}, std::move(decoded.view_rule)};
+  return codec::LabeledCloud{std::move(decoded.cloud).to_cloud(), {}, std::move(decoded.view_rule)};
 }
 
 }  // namespace segserve::client

@@ -29,7 +29,7 @@ namespace {
 /// A file that was read and waits for its result.
 struct Scene {
   std::size_t file = 0;  ///< Index of the input.
-  codec::LabelledCloud content;
+  codec::LabeledCloud content;
   std::uint64_t bytes = 0;  ///< Size of the file.
 };
 
@@ -75,7 +75,7 @@ class Batch {
 
  private:
   absl::StatusOr<Scene> load(std::size_t file) const;
-  absl::StatusOr<client::Result> segment_here(const codec::LabelledCloud& content) const;
+  absl::StatusOr<client::Result> segment_here(const codec::LabeledCloud& content) const;
   absl::Status write(Scene& scene, const client::Result& result) const;
   /// Writes the outputs of a result and records the outcome.
   void complete(Scene scene, const absl::StatusOr<client::Result>& result);
@@ -131,7 +131,7 @@ void Batch::complete(Scene scene, const absl::StatusOr<client::Result>& result) 
 }
 
 /// Segments the points as they are or, with a codec, as a server would see them.
-absl::StatusOr<client::Result> Batch::segment_here(const codec::LabelledCloud& content) const {
+absl::StatusOr<client::Result> Batch::segment_here(const codec::LabeledCloud& content) const {
   const wire::Outputs outputs{.segments = job_.request.segments};
   if (!job_.request.codec) {
     return client::segment_here(content.cloud, content.view_rule, job_.request.options, outputs, StopToken());

@@ -66,14 +66,14 @@ absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& o
 
 /// One cloud on its way to be segmented.
 struct Job {
-  std::string input;                          ///< The name of the input in messages.
-  std::string file_bytes;                     ///< Empty if there is a payload.
-  std::optional<client::Payload> payload;     ///< A PCD file or images that are sent without decoding them here.
-  std::optional<codec::LabelledCloud> scene;  ///< Unset if only the server needs the points.
+  std::string input;                         ///< The name of the input in messages.
+  std::string file_bytes;                    ///< Empty if there is a payload.
+  std::optional<client::Payload> payload;    ///< A PCD file or images that are sent without decoding them here.
+  std::optional<codec::LabeledCloud> scene;  ///< Unset if only the server needs the points.
   SegmentRequest request;
 };
 
-absl::StatusOr<codec::LabelledCloud> decode(const Job& job) {
+absl::StatusOr<codec::LabeledCloud> decode(const Job& job) {
   auto scene = job.payload ? client::decode(*job.payload)
                            : codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.request.view);
   if (!scene.ok()) return with_prefix(job.input, scene.status());

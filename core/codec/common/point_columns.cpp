@@ -116,7 +116,7 @@ absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_triple(const std:
 }
 
 absl::Status read_columns(const FieldRoles& roles, const std::function<Column(std::size_t field)>& column,
-                          std::size_t points, LabelledCloud& out, const StopToken& stop) {
+                          std::size_t points, LabeledCloud& out, const StopToken& stop) {
   Cloud& cloud = out.cloud;
   cloud.resize(points, roles.has_color());
   cloud.width = static_cast<std::uint32_t>(points);

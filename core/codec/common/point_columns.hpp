@@ -53,9 +53,9 @@ struct Column {
 /// hand, that positions are floats, and that a packed color has 4 bytes. INVALID_ARGUMENT for a label that is not a
 /// 32-bit integer, CANCELLED, DEADLINE_EXCEEDED.
 absl::Status read_columns(const FieldRoles& roles, const std::function<Column(std::size_t field)>& column,
-                          std::size_t points, LabelledCloud& out, const StopToken& stop = {});
+                          std::size_t points, LabeledCloud& out, const StopToken& stop = {});
 
-/// LabelledCloud::view_rule of a cloud whose view the caller has given.
+/// LabeledCloud::view_rule of a cloud whose view the caller has given.
 std::string given_view_rule(const View& view);
 
 }  // namespace segserve::codec

@@ -83,13 +83,12 @@ bool has_extension(const std::string& path, std::string_view extension) {
 
 }  // namespace
 
-absl::StatusOr<LabelledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                           std::optional<View> view) {
+absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                          std::optional<View> view) {
   return is_ply(as_text(bytes)) ? decode_ply(bytes, limits, view) : decode_pcd(bytes, limits, view);
 }
 
-absl::StatusOr<LabelledCloud> load_cloud(const std::string& path, std::optional<View> view,
-                                         const DecodeLimits& limits) {
+absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, std::optional<View> view, const DecodeLimits& limits) {
   ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_path(path, limits));
   auto cloud = decode_cloud(bytes, limits, view);
   if (!cloud.ok()) return with_prefix(path, cloud.status());

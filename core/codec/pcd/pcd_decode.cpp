@@ -27,7 +27,7 @@ std::unique_ptr<std::byte[]> allocate(std::size_t bytes) { return std::make_uniq
 
 /// Reads a binary body: points one after the other, each with all its fields.
 absl::Status read_binary(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
-                         LabelledCloud& out) {
+                         LabeledCloud& out) {
   const std::size_t point_bytes = header.point_bytes();
   if (header.points > body.size() / point_bytes) {
     return fault("it has {} bytes, but POINTS {} of {} bytes each need more", body.size(), header.points, point_bytes);
@@ -68,7 +68,7 @@ absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& hea
 
 /// Reads a binary_compressed body: fields one after the other, each with all its points, as one LZF block.
 absl::Status read_compressed(const PcdHeader& header, std::span<const std::byte> body, const DecodeLimits& limits,
-                             const StopToken& stop, LabelledCloud& out) {
+                             const StopToken& stop, LabeledCloud& out) {
   ASSIGN_OR_RETURN(const auto compressed, compressed_bytes(header, body, limits));
   const std::size_t size = header.points * header.point_bytes();
   const auto planes = allocate(size);
@@ -151,7 +151,7 @@ absl::Status parse_rows(const PcdHeader& header, const RowPlan& plan, std::strin
 
 /// Reads an ascii body: a line for each point, with the values of all its fields.
 absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body, const StopToken& stop,
-                        LabelledCloud& out) {
+                        LabeledCloud& out) {
   const RowPlan plan(header);
   if (header.points > most_values(body.size()) / plan.words) {
     return fault("it has {} bytes, but POINTS {} of {} values each need more", body.size(), header.points, plan.words);
@@ -167,7 +167,7 @@ absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body
 }
 
 absl::Status read_body(const PcdHeader& header, std::span<const std::byte> body, const DecodeLimits& limits,
-                       const StopToken& stop, LabelledCloud& out) {
+                       const StopToken& stop, LabeledCloud& out) {
   switch (header.encoding) {
     case PcdEncoding::kAscii:
       return read_ascii(header, body, stop, out);
@@ -180,7 +180,7 @@ absl::Status read_body(const PcdHeader& header, std::span<const std::byte> body,
 }
 
 /// Chooses the view by the rule of decode_pcd, and says so.
-void choose_view(const PcdHeader& header, const std::optional<View>& given, LabelledCloud& out) {
+void choose_view(const PcdHeader& header, const std::optional<View>& given, LabeledCloud& out) {
   const auto [x, y, z] = header.viewpoint;
   if (given) {
     out.cloud.view = *given;
@@ -198,11 +198,11 @@ void choose_view(const PcdHeader& header, const std::optional<View>& given, Labe
 
 }  // namespace
 
-absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                         std::optional<View> view, const StopToken& stop) {
+absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                        std::optional<View> view, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes("PCD file: ", bytes.size(), limits));
   ASSIGN_OR_RETURN(const PcdHeader header, parse_pcd_header(as_text(bytes), limits));
-  LabelledCloud out;
+  LabeledCloud out;
   RETURN_IF_ERROR(read_body(header, bytes.subspan(header.body_offset), limits, stop, out));
   out.cloud.width = header.width;
   out.cloud.height = header.height;

@@ -166,7 +166,7 @@ absl::Status read_element(const PlyElement& element, Values& values, VertexRows*
 }
 
 template <typename Values>
-absl::Status read_body(const PlyHeader& header, Values values, LabelledCloud& out) {
+absl::Status read_body(const PlyHeader& header, Values values, LabeledCloud& out) {
   const PlyElement& vertex = header.elements[header.vertex];
   VertexRows rows(vertex, header.roles);
   for (const PlyElement& element : header.elements) {
@@ -180,7 +180,7 @@ absl::Status read_body(const PlyHeader& header, Values values, LabelledCloud& ou
   return read_columns(header.roles, column, static_cast<std::size_t>(vertex.rows), out);
 }
 
-absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body, LabelledCloud& out) {
+absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body, LabeledCloud& out) {
   switch (header.format) {
     case PlyFormat::kAscii:
       return read_body(header, TextValues(as_text(body), header.body_line), out);
@@ -194,11 +194,11 @@ absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body,
 
 }  // namespace
 
-absl::StatusOr<LabelledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                         std::optional<View> view) {
+absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                        std::optional<View> view) {
   RETURN_IF_ERROR(check_bytes("PLY file: ", bytes.size(), limits));
   ASSIGN_OR_RETURN(const PlyHeader header, parse_ply_header(as_text(bytes), limits));
-  LabelledCloud out;
+  LabeledCloud out;
   RETURN_IF_ERROR(read_body(header, bytes.subspan(header.body_offset), out));
   out.cloud.view = view.value_or(View::world());
   out.view_rule = view ? given_view_rule(*view) : "WORLD without a sensor, because PLY does not tell where it is";

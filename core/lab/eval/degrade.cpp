@@ -24,7 +24,7 @@ std::uint64_t hash(std::string_view text) {
   return value;
 }
 
-void remove_point(codec::LabelledCloud& scene, std::size_t i) {
+void remove_point(codec::LabeledCloud& scene, std::size_t i) {
   Cloud& cloud = scene.cloud;
   cloud.x[i] = cloud.y[i] = cloud.z[i] = std::numeric_limits<float>::quiet_NaN();
   if (!scene.label.empty()) scene.label[i] = 0;
@@ -40,7 +40,7 @@ void rescale(Cloud& cloud, double scale) {
   }
 }
 
-void add_noise(codec::LabelledCloud& scene, double sigma, Random& random) {
+void add_noise(codec::LabeledCloud& scene, double sigma, Random& random) {
   Cloud& cloud = scene.cloud;
   const bool camera = cloud.view.kind == ViewKind::kCamera;
   const Eigen::Vector3f origin = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
@@ -76,7 +76,7 @@ absl::Status check(const Degradation& d) {
   return faults.empty() ? absl::OkStatus() : absl::InvalidArgumentError(faults);
 }
 
-absl::Status degrade(codec::LabelledCloud& scene, const Degradation& d, std::string_view scene_name) {
+absl::Status degrade(codec::LabeledCloud& scene, const Degradation& d, std::string_view scene_name) {
   RETURN_IF_ERROR(check(d));
   if (d.noise_mm > 0 && !scene.cloud.view.has_sensor()) {
     return absl::InvalidArgumentError("depth noise needs to know where the sensor is, which the file does not say");

@@ -31,6 +31,6 @@ absl::Status check(const Degradation& degradation);
 
 /// Degrades a scene. Points that are lost get the label 0, too. INVALID_ARGUMENT for noise in a WORLD
 /// view without a sensor, because it has no rays.
-absl::Status degrade(codec::LabelledCloud& scene, const Degradation& degradation, std::string_view scene_name);
+absl::Status degrade(codec::LabeledCloud& scene, const Degradation& degradation, std::string_view scene_name);
 
 }  // namespace segserve::eval

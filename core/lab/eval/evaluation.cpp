@@ -63,8 +63,8 @@ absl::StatusOr<std::vector<fs::path>> scene_files(const fs::path& folder) {
   return files;
 }
 
-absl::StatusOr<codec::LabelledCloud> load_scene(const fs::path& path, const Degradation& degradation) {
-  ASSIGN_OR_RETURN(codec::LabelledCloud scene, codec::load_cloud(path.string()));
+absl::StatusOr<codec::LabeledCloud> load_scene(const fs::path& path, const Degradation& degradation) {
+  ASSIGN_OR_RETURN(codec::LabeledCloud scene, codec::load_cloud(path.string()));
   if (scene.label.empty()) {
     return in_file(path, absl::InvalidArgumentError("no ground truth: the file has no field \"label\""));
   }
@@ -80,7 +80,7 @@ absl::StatusOr<codec::LabelledCloud> load_scene(const fs::path& path, const Degr
   return scene;
 }
 
-absl::StatusOr<MetricValues> score(const codec::LabelledCloud& scene, const Partition& partition) {
+absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Partition& partition) {
   ASSIGN_OR_RETURN(const Contingency segments, tabulate(scene.label, partition.labels));
   ASSIGN_OR_RETURN(const Contingency supervoxels, tabulate(scene.label, partition.supervoxels));
 

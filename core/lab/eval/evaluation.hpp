@@ -38,11 +38,11 @@ absl::StatusOr<std::vector<std::filesystem::path>> scene_files(const std::filesy
 /// Reads a scene with ground truth (field "label", 0 = not scored) and degrades it. Points that are not finite have no
 /// ground truth. Errors are those of `codec::load_cloud` and `degrade`, and INVALID_ARGUMENT without ground truth;
 /// messages begin with the path.
-absl::StatusOr<codec::LabelledCloud> load_scene(const std::filesystem::path& path, const Degradation& degradation);
+absl::StatusOr<codec::LabeledCloud> load_scene(const std::filesystem::path& path, const Degradation& degradation);
 
 /// The scores of a partition; its arrays have one entry per point of the scene. INVALID_ARGUMENT if no point has ground
 /// truth.
-absl::StatusOr<MetricValues> score(const codec::LabelledCloud& scene, const Partition& partition);
+absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Partition& partition);
 
 /// Scores every file, in order. Stops at the first error; its message begins with the path.
 absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<std::filesystem::path>& files,

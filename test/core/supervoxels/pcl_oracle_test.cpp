@@ -26,7 +26,7 @@ struct Sums {
   }
 };
 
-void compare(const codec::LabelledCloud& frame, const Options& options, Sums& ours, Sums& pcl) {
+void compare(const codec::LabeledCloud& frame, const Options& options, Sums& ours, Sums& pcl) {
   const Segmentation s = *segment(frame.cloud, options);
   ours.add(frame.label, s.supervoxels, s.tree.leaf_count());
   const pcl_peer::PclCloud cloud(frame.cloud);
@@ -70,7 +70,7 @@ TEST_P(PclSupervoxels, AreNotBetterThanOursOnSyntheticFrames) {
     synth::SceneOptions options;
     options.seed = seed;
     synth::SyntheticScene scene = *synth::make_tabletop(options);
-    codec::LabelledCloud frame;
+    codec::LabeledCloud frame;
     frame.cloud = std::move(scene.cloud);
     frame.label = std::move(scene.label);
     compare(frame, GetParam().options, ours, pcl);

@@ -58,6 +58,6 @@ Payload rgbd_payload(codec::RgbdFiles images);
 
 /// The cloud that a server makes of the payload, and the rule by which it chose the view. INVALID_ARGUMENT if the
 /// payload is broken; the status of `stop` once it says so.
-absl::StatusOr<codec::LabelledCloud> decode(const Payload& payload, const StopToken& stop = {});
+absl::StatusOr<codec::LabeledCloud> decode(const Payload& payload, const StopToken& stop = {});
 
 }  // namespace segserve::client

@@ -24,15 +24,15 @@ enum class FileEncoding : std::uint8_t {
 
 /// Decodes the bytes of a file: as PLY if they begin with PLY's magic line (is_ply), otherwise as PCD. A given `view`
 /// replaces the one that the format's own rule would choose. The errors are those of decode_ply and decode_pcd.
-absl::StatusOr<LabelledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                           std::optional<View> view = std::nullopt);
+absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                          std::optional<View> view = std::nullopt);
 
 /// Reads the file `path`, or standard input if the path is "-", and decodes its content with decode_cloud. The name of
 /// the file does not matter. NOT_FOUND or PERMISSION_DENIED if the file cannot be opened, UNAVAILABLE if reading it
 /// fails, INVALID_ARGUMENT if decode_cloud refuses its content or it is larger than a limit. Messages begin with the
 /// path.
-absl::StatusOr<LabelledCloud> load_cloud(const std::string& path, std::optional<View> view = std::nullopt,
-                                         const DecodeLimits& limits = {});
+absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, std::optional<View> view = std::nullopt,
+                                        const DecodeLimits& limits = {});
 
 /// Writes a cloud to the file `path` as PCD or PLY, which its extension (.pcd or .ply, in any case) chooses. The path
 /// "-" writes PCD to standard output. `label` has one entry per point, or is empty if there are no labels.

@@ -10,7 +10,7 @@
 namespace segserve::codec {
 
 /// The content of a PCD or PLY file: a cloud of N points, and the labels if the file has some.
-struct LabelledCloud {
+struct LabeledCloud {
   Cloud cloud;
   std::vector<std::uint32_t> label;  ///< N: the label of each point; empty if the file has no labels
   std::string view_rule;             ///< one line for people that tells which view was chosen, and why

@@ -35,8 +35,8 @@ enum class PcdEncoding : std::uint8_t { kAscii, kBinary, kBinaryCompressed };
 /// INVALID_ARGUMENT with a message of one line that names the fault and its place if the file is malformed or
 /// truncated, has a label beyond 32 bits, or exceeds the limits. CANCELLED and DEADLINE_EXCEEDED as `stop` says. A file
 /// of 0 points is no error here.
-absl::StatusOr<LabelledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                         std::optional<View> view = std::nullopt, const StopToken& stop = {});
+absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                        std::optional<View> view = std::nullopt, const StopToken& stop = {});
 
 /// Writes PCD 0.7 with the fields x y z, rgb (packed; if the cloud has color) and label (TYPE U, SIZE 4; if `label` is
 /// not empty). `label` has one entry per point, or is empty. All three encodings keep floats, colors and labels

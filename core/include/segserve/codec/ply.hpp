@@ -35,8 +35,8 @@ bool is_ply(std::string_view file);
 /// INVALID_ARGUMENT with a message of one line that names the fault and its place if the file is malformed or
 /// truncated, has a label beyond 32 bits or more vertices than 32 bits can count, or exceeds the limits. A file of 0
 /// points is no error here.
-absl::StatusOr<LabelledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                         std::optional<View> view = std::nullopt);
+absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                        std::optional<View> view = std::nullopt);
 
 /// Writes a PLY file whose vertices have x y z (float), red green blue (uchar; if the cloud has color) and label (uint;
 /// if `label` is not empty). `label` has one entry per point, or is empty. Both encodings keep floats, colors and

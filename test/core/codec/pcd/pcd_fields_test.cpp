@@ -25,10 +25,10 @@ void put(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-LabelledCloud decode(const std::string& file) {
+LabeledCloud decode(const std::string& file) {
   auto cloud = decode_pcd(bytes_of(file), DecodeLimits{});
   EXPECT_TRUE(cloud.ok()) << cloud.status();
-  return cloud.value_or(LabelledCloud{});
+  return cloud.value_or(LabeledCloud{});
 }
 
 TEST(PcdFields, AnyOrderIsReadAndUnknownFieldsAreSkipped) {
@@ -41,7 +41,7 @@ TEST(PcdFields, AnyOrderIsReadAndUnknownFieldsAreSkipped) {
     file.append(4, 'p');
     put(file, 2.0 + i);
   }
-  const LabelledCloud read = decode(file);
+  const LabeledCloud read = decode(file);
   EXPECT_THAT(read.cloud.x, ElementsAre(1.0F, 2.0F));
   EXPECT_THAT(read.cloud.y, ElementsAre(2.0F, 3.0F));
   EXPECT_THAT(read.cloud.z, ElementsAre(3.0F, 4.0F));
@@ -156,7 +156,7 @@ TEST(PcdView, FollowsFromShapeAndViewpoint) {
     const std::string size = "WIDTH " + std::to_string(2 / c.height) + "\nHEIGHT " + std::to_string(c.height) + "\n";
     const std::string file =
         "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + size + c.viewpoint + "DATA ascii\n0 0 1\n0 0 1\n";
-    const LabelledCloud read = decode(file);
+    const LabeledCloud read = decode(file);
     EXPECT_EQ(read.cloud.view, c.expected) << file << read.view_rule;
     EXPECT_THAT(read.view_rule, testing::StartsWith(c.expected.kind == ViewKind::kCamera ? "CAMERA" : "WORLD"));
     EXPECT_THAT(read.view_rule, testing::HasSubstr("VIEWPOINT"));

@@ -11,10 +11,10 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-LabelledCloud decode(const std::string& file) {
+LabeledCloud decode(const std::string& file) {
   auto cloud = decode_ply(bytes_of(file), DecodeLimits{});
   EXPECT_TRUE(cloud.ok()) << cloud.status();
-  return cloud.value_or(LabelledCloud{});
+  return cloud.value_or(LabeledCloud{});
 }
 
 template <typename T>
@@ -29,7 +29,7 @@ TEST(PlyRoundTrip, KeepsPointsColorsAndLabels) {
     for (const bool color : {false, true}) {
       for (const bool label : {false, true}) {
         const Sample sample = make_sample(2, 31, 3, color, label);
-        const LabelledCloud read = decode(encode_ply(sample.cloud, sample.label, encoding));
+        const LabeledCloud read = decode(encode_ply(sample.cloud, sample.label, encoding));
         expect_same_points(read.cloud, sample.cloud);
         EXPECT_EQ(read.label, sample.label);
         EXPECT_EQ(read.cloud.width, 93U);
@@ -45,7 +45,7 @@ TEST(PlyRoundTrip, AnEmptyCloudStaysEmpty) {
 }
 
 TEST(PlyRead, TextWithCommentsListsAndOtherElements) {
-  const LabelledCloud read = decode(
+  const LabeledCloud read = decode(
       "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info num_cols 2\r\n"
       "element face 2\r\nproperty list uchar int vertex_indices\r\nproperty float area\r\n"
       "element vertex 2\r\nproperty double z\r\nproperty list uint8 float weights\r\nproperty float x\r\n"
@@ -81,7 +81,7 @@ TEST(PlyRead, BinaryOfBothByteOrdersWithListsBeforeAndAmongTheVertices) {
       put(file, 3.5F, order);
       put(file, 20.0F, order);
     }
-    const LabelledCloud read = decode(file);
+    const LabeledCloud read = decode(file);
     EXPECT_THAT(read.cloud.x, ElementsAre(1.5F, 2.5F));
     EXPECT_THAT(read.cloud.y, ElementsAre(2.5F, 2.5F));
     EXPECT_THAT(read.cloud.z, ElementsAre(3.5F, 3.5F));
@@ -92,7 +92,7 @@ TEST(PlyRead, BinaryOfBothByteOrdersWithListsBeforeAndAmongTheVertices) {
 
 TEST(PlyRead, ViewIsWorldWithoutSensorUnlessGiven) {
   const std::string file = encode_ply(make_sample(1, 2, 2, false, false).cloud, {}, PlyEncoding::kAscii);
-  const LabelledCloud read = decode(file);
+  const LabeledCloud read = decode(file);
   EXPECT_EQ(read.cloud.view, View::world());
   EXPECT_THAT(read.view_rule, testing::StartsWith("WORLD without a sensor"));
   EXPECT_THAT(read.label, IsEmpty());

@@ -9,8 +9,8 @@ namespace segserve::eval {
 namespace {
 
 /// A wall of points at a depth, x and y in proportion, label 1; the last point is not finite.
-codec::LabelledCloud wall(float depth, std::size_t points = 20'001) {
-  codec::LabelledCloud scene;
+codec::LabeledCloud wall(float depth, std::size_t points = 20'001) {
+  codec::LabeledCloud scene;
   scene.cloud.resize(points, true);
   scene.cloud.width = static_cast<std::uint32_t>(points);
   scene.cloud.height = 1;
@@ -25,7 +25,7 @@ codec::LabelledCloud wall(float depth, std::size_t points = 20'001) {
   return scene;
 }
 
-double deviation_of_z(const codec::LabelledCloud& scene, double depth) {
+double deviation_of_z(const codec::LabeledCloud& scene, double depth) {
   double squares = 0;
   for (std::size_t i = 0; i + 1 < scene.cloud.size(); ++i) {
     squares += (scene.cloud.z[i] - depth) * (scene.cloud.z[i] - depth);
@@ -35,14 +35,14 @@ double deviation_of_z(const codec::LabelledCloud& scene, double depth) {
 
 TEST(Degrade, NoiseGrowsWithTheSquareOfTheDepth) {
   for (const float depth : {0.5F, 1.0F, 2.0F}) {
-    codec::LabelledCloud scene = wall(depth);
+    codec::LabeledCloud scene = wall(depth);
     ASSERT_TRUE(degrade(scene, {.noise_mm = 5}, "scene").ok());
     EXPECT_NEAR(deviation_of_z(scene, depth), 0.005 * depth * depth, 0.0002 * depth * depth);
   }
 }
 
 TEST(Degrade, NoiseMovesPointsAlongTheirRays) {
-  codec::LabelledCloud scene = wall(1);
+  codec::LabeledCloud scene = wall(1);
   ASSERT_TRUE(degrade(scene, {.noise_mm = 50}, "scene").ok());
   for (std::size_t i = 0; i + 1 < scene.cloud.size(); ++i) {
     EXPECT_NEAR(scene.cloud.x[i], 0.25 * scene.cloud.z[i], 1e-6);
@@ -51,7 +51,7 @@ TEST(Degrade, NoiseMovesPointsAlongTheirRays) {
 }
 
 TEST(Degrade, InAWorldViewRaysComeFromTheSensor) {
-  codec::LabelledCloud scene = wall(1);
+  codec::LabeledCloud scene = wall(1);
   scene.cloud.view = View::world(0.25F, -0.5F, 3);  // right above: the rays run along z, 2 m long
   ASSERT_TRUE(degrade(scene, {.noise_mm = 5}, "scene").ok());
   EXPECT_NEAR(deviation_of_z(scene, 1), 0.02, 0.001);
@@ -61,7 +61,7 @@ TEST(Degrade, InAWorldViewRaysComeFromTheSensor) {
 }
 
 TEST(Degrade, APointThatWouldEndBehindTheSensorIsLost) {
-  codec::LabelledCloud scene = wall(100);
+  codec::LabeledCloud scene = wall(100);
   ASSERT_TRUE(degrade(scene, {.noise_mm = 20}, "scene").ok());  // sigma is twice the depth
   std::size_t lost = 0;
   for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
@@ -73,7 +73,7 @@ TEST(Degrade, APointThatWouldEndBehindTheSensorIsLost) {
 }
 
 TEST(Degrade, KeepsAShareOfThePointsAndDropsTheTruthOfTheOthers) {
-  codec::LabelledCloud scene = wall(1);
+  codec::LabeledCloud scene = wall(1);
   ASSERT_TRUE(degrade(scene, {.keep = 0.25}, "scene").ok());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < scene.cloud.size(); ++i) {
@@ -85,7 +85,7 @@ TEST(Degrade, KeepsAShareOfThePointsAndDropsTheTruthOfTheOthers) {
 }
 
 TEST(Degrade, ScalesPointsAndSensorAndRemovesColor) {
-  codec::LabelledCloud scene = wall(1);
+  codec::LabeledCloud scene = wall(1);
   scene.cloud.view = View::world(1, 2, 3);
   ASSERT_TRUE(degrade(scene, {.scale = 2, .color = false}, "scene").ok());
   EXPECT_EQ(scene.cloud.z[0], 2);
@@ -95,14 +95,14 @@ TEST(Degrade, ScalesPointsAndSensorAndRemovesColor) {
 }
 
 TEST(Degrade, ScaledScenesHaveTheNoiseOfTheirNewDistance) {
-  codec::LabelledCloud scene = wall(1);
+  codec::LabeledCloud scene = wall(1);
   ASSERT_TRUE(degrade(scene, {.scale = 2, .noise_mm = 5}, "scene").ok());
   EXPECT_NEAR(deviation_of_z(scene, 2), 0.02, 0.001);
 }
 
 TEST(Degrade, DependsOnSeedAndNameOnly) {
   const auto noisy = [](std::string_view name, std::uint64_t seed) {
-    codec::LabelledCloud scene = wall(1, 101);
+    codec::LabeledCloud scene = wall(1, 101);
     EXPECT_TRUE(degrade(scene, {.noise_mm = 5, .keep = 0.9, .seed = seed}, name).ok());
     scene.cloud.z.back() = 0;  // NaN equals nothing
     for (float& z : scene.cloud.z) z = std::isnan(z) ? 0 : z;
