@@ -1,14 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 #include "absl/status/statusor.h"
-#include "proto/wire/request_message.hpp"
-#include "proto/wire/result_message.hpp"
+#include "segserve/v1/result.pb.h"
+#include "segserve/wire/outputs.hpp"
+#include "segserve/wire/result.hpp"
 
 namespace segserve::client {
 
-/// Passes on a result that holds the arrays of `wanted`. INTERNAL otherwise, because a bad answer is the fault of the
-/// server and not of the caller.
-absl::StatusOr<wire::Result> check_answer(absl::StatusOr<wire::Result> result, const wire::Outputs& wanted);
+/// The result that a server sent. `points` is the size of the cloud; unset if only the server knows it, whose claim is
+/// then accepted up to DecodeLimits::max_points. INTERNAL if the message is broken or lacks arrays of `wanted`, because
+/// a bad answer is the fault of the server and not of the caller.
+absl::StatusOr<wire::Result> decode_answer(const v1::SegmentationResult& message, std::optional<std::uint64_t> points,
+                                           const wire::Outputs& wanted);
 
 }  // namespace segserve::client

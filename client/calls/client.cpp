@@ -15,7 +15,6 @@
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "grpc/health/v1/health.grpc.pb.h"
-#include "proto/wire/result_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
 
@@ -55,13 +54,12 @@ class Client::State {
 
   /// `points` is unset if only the server knows how many there are.
   absl::StatusOr<Result> segment(const v1::SegmentRequest& request, const CallOptions& options,
-                                 std::optional<std::size_t> points) const {
+                                 std::optional<std::uint64_t> points) const {
     v1::SegmentResponse response;
     RETURN_IF_ERROR(call(options.timeout, [&](const auto& channel, grpc::ClientContext& context) {
       return Service::Stub(channel).Segment(&context, request, &response);
     }));
-    const std::size_t expected = points.value_or(response.result().summary().points());
-    return check_answer(wire::from_message(response.result(), expected), options.outputs);
+    return decode_answer(response.result(), points, options.outputs);
   }
 
   bool falls_back(const absl::Status& status) const {

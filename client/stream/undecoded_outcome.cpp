@@ -2,20 +2,19 @@
 #include "client/stream/undecoded_outcome.hpp"
 
 #include <chrono>
-#include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "client/calls/answer.hpp"
 #include "core/base/exception_status.hpp"
-#include "proto/wire/result_message.hpp"
 
 namespace segserve::client {
 namespace {
 
 absl::StatusOr<Result> decode_result(const UndecodedOutcome& undecoded) {
-  const std::size_t points = undecoded.points != 0 ? undecoded.points : undecoded.message.summary().points();
+  const auto points = undecoded.points != 0 ? std::optional(undecoded.points) : std::nullopt;
   try {
-    return check_answer(wire::from_message(undecoded.message, points), undecoded.outputs);
+    return decode_answer(undecoded.message, points, undecoded.outputs);
   } catch (...) {
     return exception_status("decode the result");
   }

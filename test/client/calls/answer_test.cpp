@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the client takes answers that a good server does not give.
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -75,6 +76,20 @@ TEST_F(AnswerTest, ABrokenAnswerIsTheServersFault) {
     return grpc::Status::OK;
   };
   EXPECT_TRUE(absl::IsInternal(call())) << call();
+}
+
+TEST_F(AnswerTest, AClaimOfMorePointsThanAClientAcceptsIsBroken) {
+  service_.answer = [](SegmentResponse& response) {
+    fill_summary(response);
+    auto& summary = *response.mutable_result()->mutable_summary();
+    summary.set_points(std::uint64_t{1} << 40);
+    summary.set_finite_points(16);
+    return grpc::Status::OK;
+  };
+  const Payload only_the_server_knows_its_size = pcd_payload("bytes that nobody reads");
+  const auto result = Client::connect({.address = address_})->segment_payload(only_the_server_knows_its_size);
+  EXPECT_TRUE(absl::IsInternal(result.status())) << result.status();
+  EXPECT_THAT(std::string(result.status().message()), HasSubstr("claims 1099511627776 points"));
 }
 
 TEST_F(AnswerTest, AnAnswerWithoutTheArraysAskedForIsBroken) {

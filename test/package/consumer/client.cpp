@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "segserve/v1/server_info.pb.h"
+#include "segserve/v1/segmentation_service.pb.h"
 #include "segserve/wire/error_details.hpp"
 
 int main() {
