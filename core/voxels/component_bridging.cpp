@@ -70,21 +70,48 @@ struct Bridge {
   auto operator<=>(const Bridge&) const = default;
 };
 
-/// Calls callback(u) for every voxel u at most `reach` cells from v, in ascending order, v included.
-template <typename Callback>
-void for_block_around(const VoxelGrid& grid, std::uint32_t v, int reach, Callback&& callback) {
-  constexpr std::int64_t kRowStep = std::int64_t{1} << kCellBits;
-  auto row = grid.key.begin();
-  for (std::int64_t dz = -reach; dz <= reach; ++dz) {
-    for (std::int64_t dy = -reach; dy <= reach; ++dy) {
-      const VoxelKey first = grid.key[v] + static_cast<VoxelKey>((dz * kRowStep + dy) * kRowStep - reach);
-      row = std::lower_bound(row, grid.key.end(), first);
-      for (; row != grid.key.end() && *row <= first + 2 * static_cast<VoxelKey>(reach); ++row) {
-        callback(static_cast<std::uint32_t>(row - grid.key.begin()));
+/// Finds the voxels near one voxel after another. Each row of cells of the block around a voxel has a position in the
+/// sorted keys. Voxels are asked for in ascending order, so that positions only move forward, by steps that double.
+class BlockSearch {
+ public:
+  BlockSearch(const VoxelGrid& grid, int reach)
+      : keys_(grid.key), reach_(reach), row_(static_cast<std::size_t>((2 * reach + 1) * (2 * reach + 1))) {}
+
+  /// Calls callback(u) for every voxel u at most `reach` cells from v, in ascending order, v included. v must be larger
+  /// than in all earlier calls.
+  template <typename Callback>
+  void for_block_around(std::uint32_t v, Callback&& callback) {
+    constexpr std::int64_t kRowStep = std::int64_t{1} << kCellBits;
+    auto row = row_.begin();
+    for (std::int64_t dz = -reach_; dz <= reach_; ++dz) {
+      for (std::int64_t dy = -reach_; dy <= reach_; ++dy, ++row) {
+        const VoxelKey first = keys_[v] + static_cast<VoxelKey>((dz * kRowStep + dy) * kRowStep - reach_);
+        *row = first_from(*row, first);
+        for (std::size_t u = *row; u < keys_.size() && keys_[u] <= first + 2 * static_cast<VoxelKey>(reach_); ++u) {
+          callback(static_cast<std::uint32_t>(u));
+        }
       }
     }
   }
-}
+
+ private:
+  /// The first position from `position` on whose key is at least `key`.
+  std::size_t first_from(std::size_t position, VoxelKey key) const {
+    std::size_t end = position;
+    for (std::size_t step = 1; end < keys_.size() && keys_[end] < key; step *= 2) {
+      position = end + 1;
+      end += step;
+    }
+    const auto begin = keys_.begin();
+    const auto last = static_cast<std::ptrdiff_t>(std::min(end, keys_.size()));
+    return static_cast<std::size_t>(std::lower_bound(begin + static_cast<std::ptrdiff_t>(position), begin + last, key) -
+                                    begin);
+  }
+
+  const std::vector<VoxelKey>& keys_;
+  const std::int64_t reach_;
+  std::vector<std::size_t> row_;
+};
 
 /// The bridges in both directions, ascending and distinct.
 std::vector<Bridge> both_ways(const std::vector<Bridge>& bridges, StopCheck& check) {
@@ -146,11 +173,12 @@ absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid,
     });
     in_small.resize(left);
     const std::size_t first = bridges.size();
+    BlockSearch search(grid, reach);
     check.for_each(0, in_small.size(), [&](std::size_t i) {
       const auto width = static_cast<std::uint64_t>(2 * reach) + 1;
       std::uint64_t visits = width * width;  // rows of cells
       const std::uint32_t v = in_small[i], home = components.of(v);
-      for_block_around(grid, v, reach, [&](std::uint32_t u) {
+      search.for_block_around(v, [&](std::uint32_t u) {
         ++visits;
         const std::uint32_t other = components.of(u);
         // Two small components find each other, so that one bridge would be found twice.

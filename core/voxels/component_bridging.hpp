@@ -17,7 +17,8 @@ struct BridgingOptions {
 /// touch one another. Makes the voxels of small components neighbors of voxels of other components at most 2 voxels
 /// away (in the largest of the three directions). A component that is small still looks 3 voxels far, and so on up to
 /// `reach`. A gap between two larger components stays.
-/// O(V + E), and O(reach^2 log V) for each voxel of a small component. CANCELLED, DEADLINE_EXCEEDED.
+/// O(V + E), and O(reach^2) for each voxel of a small component, or O(reach^2 log V) where such voxels are rare.
+/// CANCELLED, DEADLINE_EXCEEDED.
 absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid, const BridgingOptions& options,
                                VoxelAdjacency& adjacency);
 
