@@ -112,12 +112,18 @@ struct RowPlan {
   }
 };
 
-/// Writes the values of a line to `row`, which has plan.bytes bytes.
-absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineReader::Line& line, std::byte* row) {
+/// Writes the values of a line to `row`, which has plan.bytes bytes. A line can be as long as the file, so that each
+/// word counts as work.
+absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineReader::Line& line, StopCheck& check,
+                       std::byte* row) {
   std::string_view rest = line.text;
   std::size_t words = 0;
   auto slot = plan.slots.begin();
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++words) {
+    if (check.after(1)) return check.status();
+    if (words == plan.words) {
+      return fault("line {} has more values than the {} that FIELDS and COUNT promise", line.number, plan.words);
+    }
     if (slot == plan.slots.end() || slot->word != words) continue;
     const PcdField& field = header.fields[slot->field];
     if (!parse_scalar(word, field.type, row + slot->offset)) {
@@ -142,7 +148,7 @@ absl::Status parse_rows(const PcdHeader& header, const RowPlan& plan, std::strin
     if (check.after(1)) return check.status();
     if (is_blank(line->text)) continue;
     if (read == header.points) return fault("line {} is one more than POINTS {} promises", line->number, header.points);
-    RETURN_IF_ERROR(parse_row(header, plan, *line, rows + read * plan.bytes));
+    RETURN_IF_ERROR(parse_row(header, plan, *line, check, rows + read * plan.bytes));
     ++read;
   }
   if (read != header.points) return fault("it ends after {} of POINTS {}", read, header.points);

@@ -12,6 +12,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
@@ -52,7 +53,7 @@ absl::Status check_keyword(std::string_view keyword, std::size_t line, const Ent
 /// Collects the entries up to DATA, and notes in `header` where the body begins.
 absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
   Entries entries;
-  LineReader lines(file);
+  LineReader lines(header_part(file));
   while (const auto line = lines.next()) {
     std::string_view text = line->text;
     std::string_view keyword = take_word(text);
@@ -68,6 +69,7 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
     }
   }
   if (entries.empty()) return absl::InvalidArgumentError("not a PCD file: it has no entry of a PCD header");
+  if (file.size() > kMostHeaderBytes) return fault("no line DATA is in the first {} bytes", kMostHeaderBytes);
   return fault("it ends without a line DATA");
 }
 
@@ -142,6 +144,7 @@ absl::Status read_fields(const Entries& entries, const DecodeLimits& limits, Pcd
   const Entry* names = find_entry(entries, "FIELDS");
   if (names == nullptr || names->words.empty()) return fault("FIELDS is missing");
   const std::size_t n = names->words.size();
+  if (n > kMostHeaderFields) return fault("{} FIELDS are more than the {} that are accepted", n, kMostHeaderFields);
   ASSIGN_OR_RETURN(const Entry* const sizes, per_field_entry(entries, "SIZE", n));
   ASSIGN_OR_RETURN(const Entry* const types, per_field_entry(entries, "TYPE", n));
   const Entry ones{names->line, std::vector<std::string_view>(n, "1")};

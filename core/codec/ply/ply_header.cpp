@@ -8,6 +8,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "segserve/codec/ply.hpp"
@@ -101,9 +102,10 @@ absl::Status read_line(const Words& words, std::size_t line, PlyHeader& header) 
 }
 
 absl::Status split_header(std::string_view file, PlyHeader& header) {
-  LineReader lines(file);
+  LineReader lines(header_part(file));
   lines.next();  // This line is the magic word.
   bool has_format = false;
+  std::size_t fields = 0;
   while (const auto line = lines.next()) {
     const Words words = split_words(line->text);
     if (words.empty()) continue;
@@ -115,8 +117,13 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
     }
     if (words[0] == "format" && has_format) return fault("'format' occurs twice, again in line {}", line->number);
     has_format = has_format || words[0] == "format";
+    if ((words[0] == "element" || words[0] == "property") && ++fields > kMostHeaderFields) {
+      return fault("line {} is one more than the {} elements and properties that are accepted", line->number,
+                   kMostHeaderFields);
+    }
     RETURN_IF_ERROR(read_line(words, line->number, header));
   }
+  if (file.size() > kMostHeaderBytes) return fault("no line 'end_header' is in the first {} bytes", kMostHeaderBytes);
   return fault("it ends without a line 'end_header'");
 }
 

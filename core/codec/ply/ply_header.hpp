@@ -46,7 +46,7 @@ struct PlyHeader {
 };
 
 /// Parses the header at the beginning of a PLY file. INVALID_ARGUMENT that names the line and the fault, or the
-/// exceeded limit.
+/// exceeded limit. Headers beyond header_limits.hpp are refused.
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view file, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

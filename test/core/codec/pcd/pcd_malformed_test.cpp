@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Malformed PCD files. Each is refused with a message that names the fault, and none does harm.
 
+#include <atomic>
 #include <cstring>
 
 #include "segserve/codec/pcd.hpp"
@@ -77,7 +78,7 @@ std::vector<Fault> body_faults() {
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n1 2 3\n1 2 3\n", "line 10 is one more than POINTS 2 promises"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n\n4 5\n6 7 8\n",
        "line 10 has 2 values, but FIELDS and COUNT promise 3"},
-      {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6 7\n", "line 9 has 4 values"},
+      {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6 7\n", "line 9 has more values than the 3"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6,0\n",
        "line 9: '6,0' is not a value of field 'z' (a float of 4"},
       {kFields + kTwoPoints + "DATA ascii\n1 2 3\n4 5 +-6\n", "line 9: '+-6' is not a value of field 'z'"},
@@ -103,6 +104,29 @@ TEST(PcdMalformed, EachFaultOfTheHeaderIsNamed) {
     SCOPED_TRACE(fault.file);
     expect_fault(decode_pcd(bytes_of(fault.file), DecodeLimits{}).status(), fault.words);
   }
+}
+
+TEST(PcdMalformed, HeadersBeyondAllReasonAreRefused) {
+  std::string fields = "FIELDS x y z", sizes = "SIZE 4 4 4", types = "TYPE F F F";
+  for (int i = 3; i < 4097; ++i) fields += " _", sizes += " 1", types += " U";
+  const std::string many = fields + "\n" + sizes + "\n" + types + "\n" + kTwoPoints + "DATA binary\n";
+  expect_fault(decode_pcd(bytes_of(many), DecodeLimits{}).status(), "4097 FIELDS are more than the 4096");
+  const std::string long_header = kFields + std::string(2'000'000, '\n') + kTwoPoints + "DATA ascii\n1 2 3\n4 5 6\n";
+  expect_fault(decode_pcd(bytes_of(long_header), DecodeLimits{}).status(),
+               "no line DATA is in the first 1048576 bytes");
+  const std::string only_newlines(2'000'000, '\n');
+  expect_fault(decode_pcd(bytes_of(only_newlines), DecodeLimits{}).status(), "not a PCD file");
+}
+
+TEST(PcdMalformed, ALineAsLongAsTheFileIsStopped) {
+  std::string file = "FIELDS x y z _\nSIZE 4 4 4 1\nTYPE F F F U\nCOUNT 1 1 1 1000000\nPOINTS 1\nDATA ascii\n1 2 3";
+  for (int i = 0; i < 1'000'000; ++i) file += " 0";
+  const std::atomic<bool> cancelled = true;
+  WorkMeter meter;
+  const auto read = decode_pcd(bytes_of(file), {}, {}, StopToken(&cancelled, std::nullopt, &meter));
+  EXPECT_EQ(read.status().code(), absl::StatusCode::kCancelled);
+  EXPECT_LE(meter.units(), StopToken::kMostWorkAfterStop);
+  EXPECT_TRUE(decode_pcd(bytes_of(file), {}).ok());
 }
 
 TEST(PcdMalformed, EachFaultOfTheBodyIsNamed) {

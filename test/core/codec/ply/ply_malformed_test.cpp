@@ -81,6 +81,16 @@ TEST(PlyMalformed, EachFaultOfTheHeaderIsNamed) {
   }
 }
 
+TEST(PlyMalformed, HeadersBeyondAllReasonAreRefused) {
+  std::string many = kAscii + kVertex;
+  for (int i = 4; i < 4097; ++i) many += "property uchar p\n";
+  expect_fault(decode_ply(bytes_of(many + kEnd), DecodeLimits{}).status(),
+               "line 4099 is one more than the 4096 elements and properties");
+  const std::string long_header = kAscii + std::string(2'000'000, '\n') + kVertex + kEnd + "1 2 3\n4 5 6\n";
+  expect_fault(decode_ply(bytes_of(long_header), DecodeLimits{}).status(),
+               "no line 'end_header' is in the first 1048576 bytes");
+}
+
 TEST(PlyMalformed, EachFaultOfTheBodyIsNamed) {
   for (const Fault& fault : body_faults()) {
     SCOPED_TRACE(fault.file);
