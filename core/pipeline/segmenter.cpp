@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "core/supervoxels/seed_selection.hpp"
 #include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/support_plane/support_plane_removal.hpp"
+#include "core/voxels/coarser_resolution.hpp"
 #include "core/voxels/component_bridging.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
 #include "core/voxels/voxelization.hpp"
@@ -46,7 +48,26 @@ absl::StatusOr<Cut> cut(const FrameContext& frame, const MergeTree& tree) {
                                : cut_at_threshold(tree, *frame.options.threshold, frame.stop);
 }
 
+absl::Status ask(const Admission& admit, const FrameContext& frame, std::size_t voxels) {
+  FrameSize size;
+  size.points = frame.cloud.size();
+  size.voxels = voxels;
+  size.workspace_bytes = workspace_bytes(size.points, size.voxels);
+  size.resolution_for = [&](std::size_t most) { return coarser_resolution(frame, most); };
+  return admit(size);
+}
+
 }  // namespace
+
+std::uint64_t voxelization_bytes(std::uint64_t points) {
+  constexpr std::uint64_t kBytesPerVoxel = 500;
+  return 12 * points + kBytesPerVoxel * std::min<std::uint64_t>(points, 2 * VoxelAdmission::kFirst);
+}
+
+std::uint64_t workspace_bytes(std::uint64_t points, std::uint64_t voxels) {
+  constexpr std::uint64_t kLeast = 1 << 20;
+  return kLeast + 12 * points + 1700 * voxels;
+}
 
 /// The stages with their buffers, and what they make of a frame.
 struct Segmenter::Workspace {
@@ -80,7 +101,10 @@ Segmenter::~Segmenter() = default;
 Segmenter::Segmenter(Segmenter&&) noexcept = default;
 Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
-absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& options, const StopToken& stop) {
+void Segmenter::free_buffers() { workspace_ = std::make_unique<Workspace>(); }
+
+absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& options, const StopToken& stop,
+                                                const Admission& admit) {
   RETURN_IF_ERROR(check(options, cloud.view));
   RETURN_IF_ERROR(check_shape(cloud));
   Workspace& w = *workspace_;
@@ -91,9 +115,11 @@ absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Op
   Stopwatch total, watch;
 
   // The points, or those that the options select, become voxels.
-  RETURN_IF_ERROR(w.voxelization.run(frame, w.grid));
+  VoxelAdmission admission([&](std::size_t voxels) { return ask(admit, frame, voxels); });
+  RETURN_IF_ERROR(w.voxelization.run(frame, w.grid, admit ? &admission : nullptr));
   const bool is_large = w.grid.size() >= kManyVoxels;
   if (is_large) w.voxelization.free_scattered_tables();
+  if (admit) RETURN_IF_ERROR(ask(admit, frame, w.grid.size()));
   timings.voxels = watch.lap();
 
   // Every voxel gets neighbors and a normal. The plane that supports the objects is removed before, if asked for.

@@ -5,16 +5,22 @@
 
 namespace segserve {
 
-void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check) {
+void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, VoxelAdmission* admission) {
   part_.table.clear();
   part_.first_invalid = SIZE_MAX;
   part_.finite_points = 0;
+  std::size_t reported = 0;
   for (std::size_t first = begin; first < end; first += kChunk) {
     const std::size_t count = std::min(kChunk, end - first);
     if (check.after(count)) return;
     if (!find_cells(first, count)) return;
     if (!selection_.all()) count_finite(first, count);
     find_slots(find_runs(first, count));
+    const std::size_t voxels = part_.table.voxels().size();
+    if (admission != nullptr && voxels - reported >= VoxelAdmission::kPortion) {
+      if (!admission->add(voxels - reported)) return;
+      reported = voxels;
+    }
     if (first + count > slot_of_point_.size()) slot_of_point_.resize(first + count);
     std::copy_n(slots_.begin(), count, slot_of_point_.begin() + static_cast<std::ptrdiff_t>(first));
   }

@@ -10,6 +10,7 @@
 #include "core/voxels/cell_mapping.hpp"
 #include "core/voxels/point_selection.hpp"
 #include "core/voxels/simd/voxel_kernels.hpp"
+#include "core/voxels/voxel_admission.hpp"
 #include "core/voxels/voxel_table.hpp"
 #include "segserve/cloud.hpp"
 
@@ -31,7 +32,8 @@ class RangeVoxelizer {
                  PartialVoxels& part, std::vector<std::uint32_t>& slot_of_point)
       : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
 
-  void run(std::size_t begin, std::size_t end, StopCheck& check);
+  /// Stops before the end if the admission, which may be null, refuses the frame.
+  void run(std::size_t begin, std::size_t end, StopCheck& check, VoxelAdmission* admission);
 
  private:
   static constexpr std::size_t kChunk = 512;

@@ -54,7 +54,7 @@ void rank_keys(const VoxelList& voxels, StopCheck& check, std::vector<std::uint6
 
 }  // namespace
 
-absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid) {
+absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid, VoxelAdmission* admission) {
   const std::size_t points = frame.cloud.size();
   const unsigned threads = frame.executor.threads();
   const PointSelection selection(frame.options, frame.view());
@@ -64,10 +64,12 @@ absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid) {
   grid.slot_of_point.clear();
   grid.slot_of_point.reserve(points);
   if (threads > 1) grid.slot_of_point.resize(points);
-  RETURN_IF_ERROR(parallel_parts(
-      frame.executor, frame.stop, points, [&](unsigned part, std::size_t begin, std::size_t end, StopCheck& check) {
-        RangeVoxelizer(frame.cloud, selection, mapping, parts_[part], grid.slot_of_point).run(begin, end, check);
-      }));
+  RETURN_IF_ERROR(parallel_parts(frame.executor, frame.stop, points,
+                                 [&](unsigned part, std::size_t begin, std::size_t end, StopCheck& check) {
+                                   RangeVoxelizer(frame.cloud, selection, mapping, parts_[part], grid.slot_of_point)
+                                       .run(begin, end, check, admission);
+                                 }));
+  if (admission != nullptr) RETURN_IF_ERROR(admission->status());
   for (const PartialVoxels& part : parts_) {
     if (part.first_invalid != SIZE_MAX) {
       return invalid_point(frame.cloud, mapping, frame.settings.voxel_resolution, part.first_invalid);

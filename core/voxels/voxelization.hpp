@@ -8,6 +8,7 @@
 #include "core/base/frame_context.hpp"
 #include "core/base/radix_sort.hpp"
 #include "core/voxels/range_voxelizer.hpp"
+#include "core/voxels/voxel_admission.hpp"
 #include "core/voxels/voxel_grid.hpp"
 
 namespace segserve {
@@ -19,8 +20,9 @@ class Voxelization {
   /// The edge is in meters; in a CAMERA view the cells are cubes of (x/z, y/z, ln z), so the edge is
   /// voxel_resolution * z. O(N + V).
   /// INVALID_ARGUMENT, naming the first such point of the selection: z <= 0 in a CAMERA view, or a coordinate beyond
-  /// the grid (about 2^18 voxels from the origin). CANCELLED, DEADLINE_EXCEEDED.
-  absl::Status run(const FrameContext& frame, VoxelGrid& grid);
+  /// the grid (about 2^18 voxels from the origin). CANCELLED, DEADLINE_EXCEEDED, and the refusal of `admission`, which
+  /// is not asked if it is null.
+  absl::Status run(const FrameContext& frame, VoxelGrid& grid, VoxelAdmission* admission = nullptr);
 
   /// Gives back the hash tables of a cloud of scattered points, which take more memory than any other stage. The
   /// tables of other clouds are kept, because growing them again takes time.

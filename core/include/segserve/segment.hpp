@@ -4,10 +4,12 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/merge_tree.hpp"
@@ -51,6 +53,26 @@ struct Segmentation {
   StageTimings timings;
 };
 
+/// How large a frame is: while its voxels are counted, each time that their number has doubled, and once all are
+/// counted.
+struct FrameSize {
+  std::size_t points = 0;             ///< of the cloud
+  std::size_t voxels = 0;             ///< that have been found
+  std::uint64_t workspace_bytes = 0;  ///< at most so much memory is needed for them beyond the cloud
+  /// A voxel_resolution, meters, at which the cloud would fill at most so many voxels (at least 1). It is the
+  /// resolution of the frame times a power of two. Only valid during the call of the Admission.
+  std::function<double(std::size_t voxels)> resolution_for;
+};
+
+/// Decides whether a frame of this size is segmented. A status other than OK ends the segmentation with that status.
+using Admission = std::function<absl::Status(const FrameSize& size)>;
+
+/// The memory that Segmenter::segment needs before it asks its Admission for the first time, and the most that it needs
+/// for a cloud of so many voxels, bytes. Both are beyond the cloud and include the result.
+/// test/core/pipeline/memory_test.cpp measures them.
+std::uint64_t voxelization_bytes(std::uint64_t points);
+std::uint64_t workspace_bytes(std::uint64_t points, std::uint64_t voxels);
+
 /// Segments clouds one after the other. It keeps its buffers and threads between calls, so that a frame takes less time
 /// than with `segment` below. One thread at a time may use an object. The result depends on nothing but the cloud and
 /// the options, whatever was segmented before.
@@ -72,8 +94,12 @@ class Segmenter {
   /// INVALID_ARGUMENT if the options are not valid (`check`), the cloud has the wrong shape (`check_shape`), or a point
   /// to segment has z <= 0 in a CAMERA view or lies beyond the grid, which reaches about 2^18 voxels from the origin.
   /// CANCELLED and DEADLINE_EXCEEDED as `stop` says. An exception of a WorkMeter's callback, or std::bad_alloc, leaves
-  /// the object in a state in which it can segment other clouds.
-  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
+  /// the object in a state in which it can segment other clouds. `admit` is asked as FrameSize says, before the
+  /// memory is allocated.
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {},
+                                       const Admission& admit = nullptr);
+  /// Gives the memory of all buffers back, as if no cloud had been segmented yet.
+  void free_buffers();
 
  private:
   struct Workspace;
