@@ -13,6 +13,7 @@
 #include "grpcpp/resource_quota.h"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
+#include "server/memory/memory_ledger.hpp"
 #include "server/options/listen_address.hpp"
 #include "server/rpc/segmentation_service.hpp"
 #include "spdlog/spdlog.h"
@@ -25,6 +26,12 @@ constexpr int kMaxStreamsPerConnection = 128;
 constexpr std::size_t kTransportMemoryBytes = std::size_t{1} << 30U;
 // Open health watches end after this time; nothing else ends them.
 constexpr std::chrono::milliseconds kCloseTime{100};
+// Calls that are ended at the end of the grace period have this long to tell their clients.
+constexpr std::chrono::milliseconds kAbortTime{500};
+// A connection without calls is closed after this time.
+constexpr int kConnectionIdleMs = 600'000;
+// All headers of a call.
+constexpr int kMetadataBytes = 16 * 1024;
 
 class GrpcServer final : public Server {
  public:
@@ -60,6 +67,11 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   builder.SetResourceQuota(quota);
   builder.SetMaxReceiveMessageSize(wire::kServerReceiveBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kConnectionIdleMs);
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMetadataBytes);
+  // A small compressed message could be huge. Payloads have compression of their own, whose results are bounded.
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, wire::kFlowControlBytes);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // otherwise two servers could share a port without a word
@@ -82,7 +94,11 @@ bool GrpcServer::stop() {
   server_->GetHealthCheckService()->SetServingStatus(false);
   service_.start_draining();
   const bool all_finished = service_.wait_until_idle_or(deadline);
-  if (!all_finished) spdlog::warn("the grace period is over: canceling {} calls", service_.calls_in_flight());
+  if (!all_finished) {
+    spdlog::warn("the grace period is over: ending {} calls", service_.calls_in_flight());
+    service_.abort_calls();
+    service_.wait_until_idle_or(std::chrono::steady_clock::now() + kAbortTime);
+  }
   std::this_thread::sleep_until(std::min(deadline, begin + drain_delay_));
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTime);
   server_->Wait();
@@ -97,6 +113,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::start(ServerOptions options, con
   RETURN_IF_ERROR(wire::invalid_fields(violations(options)));
   ASSIGN_OR_RETURN(const ListenAddress address, parse_listen_address(options.listen));
   if (options.workers == 0) options.workers = std::max(1U, std::thread::hardware_concurrency());
+  if (options.memory == 0) options.memory = available_memory() / 4 * 3;
   auto server = std::make_unique<GrpcServer>(options, make_backend);
   RETURN_IF_ERROR(server->listen(address));
   return server;

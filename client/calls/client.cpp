@@ -28,7 +28,10 @@ using HealthResponse = grpc::health::v1::HealthCheckResponse;
 using Timeout = std::optional<std::chrono::milliseconds>;
 
 bool is_too_large(const absl::Status& status) {
-  return wire::details_of(status).reason == wire::ErrorReason::kLimitExceeded;
+  const wire::ErrorDetails details = wire::details_of(status);
+  const auto limit = details.metadata.find("limit");
+  return details.reason == wire::ErrorReason::kLimitExceeded && limit != details.metadata.end() &&
+         limit->second == "max_message_bytes";
 }
 
 /// The result of a stream, or else why a unary call would not do: a server without streams has no other limits.

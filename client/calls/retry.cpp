@@ -7,8 +7,9 @@ namespace segserve::client {
 
 bool is_retryable(const absl::Status& status) {
   switch (status.code()) {
+    case absl::StatusCode::kResourceExhausted:  // A frame beyond a limit never fits.
+      return wire::details_of(status).reason != wire::ErrorReason::kLimitExceeded;
     case absl::StatusCode::kUnavailable:
-    case absl::StatusCode::kResourceExhausted:
     case absl::StatusCode::kAborted:
     case absl::StatusCode::kCancelled:
       return true;

@@ -55,7 +55,10 @@ Json limits_json(const v1::Limits& limits) {
           {"workers", limits.workers()},
           {"max_queue", limits.max_queue()},
           {"max_queue_bytes", limits.max_queue_bytes()},
-          {"max_queue_points", limits.max_queue_points()}};
+          {"max_queue_points", limits.max_queue_points()},
+          {"max_voxels", limits.max_voxels()},
+          {"memory_bytes", limits.memory_bytes()},
+          {"max_frame_seconds", limits.max_frame_seconds()}};
 }
 
 /// The codecs of this program that the server can decode.

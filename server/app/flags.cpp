@@ -21,7 +21,8 @@ constexpr const char* kExamples = R"(Examples:
   segserve --workers 4 --threads 2 --queue 16   4 frames at a time, up to 2 threads each, 16 may wait
 
 SIGTERM and SIGINT stop the server: health turns NOT_SERVING, new calls are refused, calls in flight finish within
-the grace period. Exit codes: 0 stopped by a signal, 1 cannot serve, 2 wrong flags.)";
+the grace period. Exit codes: 0 stopped by a signal, 1 cannot serve, 2 wrong flags,
+3 a call kept the server from stopping in time.)";
 
 const std::map<std::string, spdlog::level::level_enum> kLogLevels = {
     {"debug", spdlog::level::debug}, {"info", spdlog::level::info}, {"warn", spdlog::level::warn},
@@ -69,12 +70,16 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
       ->capture_default_str();
   app.add_option("--stream-bytes", server.stream_bytes, "Most bytes of payload that one stream may have under way")
       ->capture_default_str();
-  app.add_option("--all-streams-bytes", server.all_streams_bytes,
-                 "Most bytes of payload that all streams together may have under way")
-      ->capture_default_str();
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
       ->capture_default_str();
+  app.add_option("--max-voxels", server.max_voxels, "Most voxels of one cloud")->capture_default_str();
+  app.add_option("--memory", server.memory,
+                 "Most memory for all frames, e.g. 4GiB; 0: 75 % of what the cgroup or the machine has")
+      ->transform(CLI::AsSizeValue(false))
+      ->type_name("BYTES")
+      ->capture_default_str();
+  add_seconds(app, "--max-frame-seconds", "Most seconds for the computation of one frame", server.max_frame_time);
   app.add_flag("--enable-draco", server.enable_draco,
                "Accept Draco payloads; its library has known faults with hostile bytes");
   add_seconds(app, "--grace-period", "Seconds that calls in flight have when the server stops", server.grace_period);

@@ -2,13 +2,16 @@
 #include <malloc.h>
 #include <pthread.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <string>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "fmt/format.h"
@@ -20,6 +23,10 @@
 #include "spdlog/spdlog.h"
 
 namespace {
+
+constexpr int kNotStoppedInTime = 3;
+// What stopping may take beyond the grace period.
+constexpr std::chrono::milliseconds kStopTime{1800};
 
 /// Blocks the signals that stop the server, for this thread and every thread that it starts from now on.
 sigset_t block_stop_signals() {
@@ -57,6 +64,15 @@ bool write_port_file(const std::string& path, int port) {
   return !error;
 }
 
+/// Ends the process if it has not stopped in time, for example because a call hangs within gRPC.
+void end_process_after(std::chrono::milliseconds time) {
+  std::thread([time] {
+    std::this_thread::sleep_for(time);
+    spdlog::critical("not stopped within {} ms: ending the process", time.count());
+    std::_Exit(kNotStoppedInTime);
+  }).detach();
+}
+
 int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
   absl::StatusOr<std::unique_ptr<segserve::server::Server>> server = segserve::server::Server::start(flags.server);
   if (!server.ok()) {
@@ -72,6 +88,7 @@ int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
   int signal = 0;
   sigwait(&stop_signals, &signal);
   spdlog::info("{}: stopping, {} calls in flight", sigabbrev_np(signal), (*server)->calls());
+  end_process_after(flags.server.grace_period + kStopTime);
   (*server)->stop();
   spdlog::info("stopped");
   return 0;

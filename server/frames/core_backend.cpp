@@ -6,9 +6,11 @@ namespace {
 
 class CoreBackend final : public SegmentationBackend {
  public:
-  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop) override {
-    return segmenter_.segment(cloud, options, stop);
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop,
+                                       const Admission& admit) override {
+    return segmenter_.segment(cloud, options, stop, admit);
   }
+  void free_buffers() override { segmenter_.free_buffers(); }
 
  private:
   Segmenter segmenter_;

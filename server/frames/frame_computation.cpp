@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/frames/frame_computation.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "absl/strings/numbers.h"
 #include "core/base/status_macros.hpp"
+#include "fmt/format.h"
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "proto/wire/result_message.hpp"
@@ -20,10 +24,12 @@ using Clock = std::chrono::steady_clock;
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
 absl::StatusOr<Segmentation> segment_decoded(const CloudView& cloud, const FrameSettings& settings,
-                                             const StopToken& stop, SegmentationBackend& backend) {
+                                             const StopToken& stop, SegmentationBackend& backend, FrameMemory& memory) {
+  RETURN_IF_ERROR(memory.voxelize(cloud.size()));
   RETURN_IF_ERROR(wire::invalid_fields(wire::violations_in_view(settings.options, cloud.view)));
   RETURN_IF_ERROR(stop.check());
-  absl::StatusOr<Segmentation> segmentation = backend.segment(cloud, settings.options, stop);
+  absl::StatusOr<Segmentation> segmentation =
+      backend.segment(cloud, settings.options, stop, [&memory](const FrameSize& size) { return memory.segment(size); });
   // The options were checked before, so an invalid argument can only be the cloud.
   if (absl::IsInvalidArgument(segmentation.status())) {
     return wire::with_reason(segmentation.status(), wire::ErrorReason::kInvalidCloud);
@@ -34,17 +40,63 @@ absl::StatusOr<Segmentation> segment_decoded(const CloudView& cloud, const Frame
   return segmentation;
 }
 
-}  // namespace
+/// The limit `name` that a payload exceeded, and what it would take; nullopt if the status is another one.
+std::optional<std::uint64_t> excess(const absl::Status& status, const std::string& name) {
+  const wire::ErrorDetails details = wire::details_of(status);
+  const auto limit = details.metadata.find("limit"), actual = details.metadata.find("actual");
+  if (details.reason != wire::ErrorReason::kLimitExceeded || limit == details.metadata.end() ||
+      actual == details.metadata.end() || limit->second != name) {
+    return std::nullopt;
+  }
+  std::uint64_t value = 0;
+  return absl::SimpleAtoi(actual->second, &value) ? std::optional(value) : std::nullopt;
+}
 
-absl::StatusOr<v1::SegmentationResult> compute_frame(const v1::Cloud& payload, const FrameSettings& settings,
-                                                     const std::atomic<bool>& cancelled, SegmentationBackend& backend) {
-  const StopToken stop(&cancelled, settings.deadline);
+/// Decodes within the memory that it has leased. A payload may be larger than it seemed, such as a compressed PCD file
+/// of which the request does not tell the number of points: it is decoded again with what it turned out to need.
+absl::StatusOr<wire::DecodedCloud> decode_within(const v1::Cloud& payload, const FrameSettings& settings,
+                                                 const StopToken& stop, FrameMemory& memory) {
+  constexpr std::uint64_t kScratchPerPoint = 32, kLeastPoints = 4096;
+  const codec::DecodeLimits& most = settings.decode_limits;
+  codec::DecodeLimits limits = most;
+  limits.max_points = std::min(most.max_points, std::max(kLeastPoints, settings.estimated_points));
+  limits.max_bytes = std::min(most.max_bytes, std::max(memory.bytes(), kScratchPerPoint * limits.max_points));
+  while (true) {
+    RETURN_IF_ERROR(memory.decode(limits.max_points, limits.max_bytes));
+    absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(payload, limits, stop);
+    if (decoded.ok()) return decoded;
+    const auto points = excess(decoded.status(), "max_points"), bytes = excess(decoded.status(), "max_decoded_bytes");
+    if (points && limits.max_points < most.max_points) {
+      limits.max_points = std::min(most.max_points, std::max(*points, 2 * limits.max_points));
+    } else if (bytes && limits.max_bytes < most.max_bytes) {
+      limits.max_bytes = std::min(most.max_bytes, std::max(*bytes, 2 * limits.max_bytes));
+    } else {
+      return decoded;
+    }
+  }
+}
+
+/// The status of a frame that was stopped because it took its maximum time.
+absl::Status took_too_long(std::chrono::milliseconds max_time) {
+  return wire::with_details(
+      absl::ResourceExhaustedError(
+          fmt::format("the computation of the frame takes longer than max_frame_seconds = {:g}; a larger "
+                      "voxel_resolution takes less time",
+                      std::chrono::duration<double>(max_time).count())),
+      {.reason = wire::ErrorReason::kLimitExceeded,
+       .metadata = {{"limit", "max_frame_seconds"},
+                    {"allowed", fmt::format("{:g}", std::chrono::duration<double>(max_time).count())}}});
+}
+
+absl::StatusOr<v1::SegmentationResult> compute_until(const v1::Cloud& payload, const FrameSettings& settings,
+                                                     const StopToken& stop, SegmentationBackend& backend,
+                                                     FrameMemory& memory) {
   const Clock::time_point decode_start = Clock::now();
   RETURN_IF_ERROR(stop.check());
-  ASSIGN_OR_RETURN(const wire::DecodedCloud decoded, wire::decode_cloud(payload, settings.decode_limits, stop));
+  ASSIGN_OR_RETURN(const wire::DecodedCloud decoded, decode_within(payload, settings, stop, memory));
   const Clock::time_point decode_end = Clock::now();
 
-  ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded.cloud, settings, stop, backend));
+  ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded.cloud, settings, stop, backend, memory));
 
   const Clock::time_point encode_start = Clock::now();
   wire::Result result =
@@ -55,7 +107,20 @@ absl::StatusOr<v1::SegmentationResult> compute_frame(const v1::Cloud& payload, c
   const Clock::time_point encode_end = Clock::now();
   wire::set_final_timings(message, milliseconds(encode_end - encode_start),
                           milliseconds(encode_end - settings.arrival));
+  memory.keep_result(message.ByteSizeLong());
   return message;
+}
+
+}  // namespace
+
+absl::StatusOr<v1::SegmentationResult> compute_frame(const v1::Cloud& payload, const FrameSettings& settings,
+                                                     const std::atomic<bool>& cancelled, SegmentationBackend& backend,
+                                                     FrameMemory& memory) {
+  const Clock::time_point latest = Clock::now() + settings.max_time;
+  const Clock::time_point end = std::min(latest, settings.deadline.value_or(latest));
+  auto result = compute_until(payload, settings, StopToken(&cancelled, end), backend, memory);
+  if (absl::IsDeadlineExceeded(result.status()) && end == latest) return took_too_long(settings.max_time);
+  return result;
 }
 
 }  // namespace segserve::server

@@ -38,6 +38,7 @@ codec::DecodeLimits decode_limits(const ServerOptions& options) {
 FrameResolver::FrameResolver(const ServerOptions& options)
     : default_options_(options.defaults),
       max_threads_(options.threads),
+      max_frame_time_(options.max_frame_time),
       decode_limits_(segserve::server::decode_limits(options)) {}
 
 absl::StatusOr<FrameSettings> FrameResolver::resolve_call(const v1::SegmentRequest& request, Time arrival,
@@ -83,6 +84,7 @@ FrameSettings FrameResolver::settings(wire::ParsedRequest request, Time arrival,
           .decode_limits = decode_limits_,
           .arrival = arrival,
           .deadline = deadline,
+          .max_time = max_frame_time_,
           .estimated_points = std::min(estimated_points, decode_limits_.max_points)};
 }
 

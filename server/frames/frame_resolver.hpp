@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <optional>
 
 #include "absl/status/statusor.h"
@@ -44,6 +45,7 @@ class FrameResolver {
 
   Options default_options_;
   std::uint32_t max_threads_;
+  std::chrono::milliseconds max_frame_time_;
   codec::DecodeLimits decode_limits_;
 };
 

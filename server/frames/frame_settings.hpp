@@ -21,6 +21,7 @@ struct FrameSettings {
   codec::DecodeLimits decode_limits;   ///< of this server
   Time arrival;                        ///< when the call or the header of the frame came; its timings begin here
   std::optional<Time> deadline;        ///< when the computation stops
+  std::chrono::milliseconds max_time;  ///< from the beginning of the computation
   std::uint64_t estimated_points = 0;  ///< for the queue, which must know before the payload is decoded
 };
 

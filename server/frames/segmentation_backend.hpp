@@ -16,8 +16,10 @@ class SegmentationBackend {
   virtual ~SegmentationBackend() = default;
 
   /// See segserve::Segmenter::segment. May throw.
-  virtual absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options,
-                                               const StopToken& stop) = 0;
+  virtual absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop,
+                                               const Admission& admit) = 0;
+  /// Gives memory that is kept from frame to frame back.
+  virtual void free_buffers() {}
 };
 
 using BackendFactory = std::function<std::unique_ptr<SegmentationBackend>()>;

@@ -34,6 +34,7 @@ void check_listen(const ServerOptions& options, std::vector<FieldViolation>& fau
 
 std::vector<FieldViolation> violations(const ServerOptions& options) {
   constexpr std::uint64_t kPetabyte = std::uint64_t{1} << 50U, kTerabyte = std::uint64_t{1} << 40U;
+  constexpr std::uint64_t kLeastMemory = std::uint64_t{64} << 20U;
   constexpr std::int64_t kDayMs = 86'400'000;
   std::vector<FieldViolation> faults;
   check_listen(options, faults);
@@ -45,9 +46,11 @@ std::vector<FieldViolation> violations(const ServerOptions& options) {
   check_range<std::uint64_t>("queue-points", options.queue_points, options.max_points, kPetabyte, faults);
   check_range<std::uint32_t>("stream-frames", options.stream_frames, 1, 1024, faults);
   check_range<std::uint64_t>("stream-bytes", options.stream_bytes, 1, kTerabyte, faults);
-  check_range<std::uint64_t>("all-streams-bytes", options.all_streams_bytes, 1, kPetabyte, faults);
   check_range<std::uint64_t>("max-points", options.max_points, 1, 1'000'000'000, faults);
   check_range<std::uint64_t>("max-decoded-bytes", options.max_decoded_bytes, 1, kTerabyte, faults);
+  check_range<std::uint64_t>("max-voxels", options.max_voxels, 1, 1'000'000'000, faults);
+  if (options.memory != 0) check_range<std::uint64_t>("memory", options.memory, kLeastMemory, kPetabyte, faults);
+  check_range<std::int64_t>("max-frame-seconds", options.max_frame_time.count(), 1, kDayMs, faults);
   check_range<std::int64_t>("grace-period", options.grace_period.count(), 0, kDayMs, faults);
   check_range<std::int64_t>("drain-delay", options.drain_delay.count(), 0, kDayMs, faults);
   for (FieldViolation& fault : segserve::violations(options.defaults)) faults.push_back(std::move(fault));

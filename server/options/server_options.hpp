@@ -30,16 +30,21 @@ struct ServerOptions {
   std::uint64_t queue_points = 50'000'000;
 
   /// Credit of one stream: frames, and bytes of payload, that it may have under way. A cloud of more bytes cannot be
-  /// sent.
+  /// sent. A stream gets 32 MiB unless it asks for more.
   std::uint32_t stream_frames = 8;
   std::uint64_t stream_bytes = std::uint64_t{512} << 20U;
-  /// Bytes of credit of all streams together. A stream gets 32 MiB unless it asks for more.
-  std::uint64_t all_streams_bytes = std::uint64_t{2} << 30U;
 
   /// Points of one cloud.
   std::uint64_t max_points = 16'000'000;
   /// Bytes of one cloud after decompression.
   std::uint64_t max_decoded_bytes = std::uint64_t{512} << 20U;
+  /// Voxels of one cloud.
+  std::uint64_t max_voxels = 4'000'000;
+  /// Bytes of memory for all frames: payloads, clouds, the workspace of segmentation, and results until they are read.
+  /// 0: 75 % of what the cgroup or the machine has.
+  std::uint64_t memory = 0;
+  /// How long a worker computes one frame at most, whatever its client says.
+  std::chrono::milliseconds max_frame_time{60'000};
   /// Accept Draco payloads. Draco's library has known faults with hostile bytes.
   bool enable_draco = false;
 

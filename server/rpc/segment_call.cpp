@@ -7,6 +7,7 @@
 
 #include "absl/strings/escaping.h"
 #include "core/base/status_macros.hpp"
+#include "proto/wire/message_shape.hpp"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
 #include "server/frames/catch_exceptions.hpp"
@@ -43,15 +44,17 @@ void log_call(const grpc::CallbackServerContext& context, const std::string& req
 
 }  // namespace
 
-SegmentCall::SegmentCall(SegmentationService& service, const grpc::CallbackServerContext& context,
-                         grpc::ByteBuffer& response)
+SegmentCall::SegmentCall(SegmentationService& service, grpc::CallbackServerContext& context, grpc::ByteBuffer& response)
     : service_(service),
       context_(context),
+      canceler_(context),
+      memory_(service.ledger_, service.max_voxels_),
       response_(response),
       arrival_(Clock::now()),
       deadline_(steady_deadline(context)) {}
 
 void SegmentCall::start(grpc::ByteBuffer& request) {
+  self_ = shared_from_this();
   const absl::Status status = catch_exceptions([&] { return admit(request); });
   if (!status.ok()) finish(status);
 }
@@ -61,15 +64,12 @@ absl::Status SegmentCall::parse(grpc::ByteBuffer& request) {
   if (bytes > wire::kMaxRequestBytes) {
     return wire::limit_exceeded("the request has", bytes, "bytes", "max_message_bytes", wire::kMaxRequestBytes);
   }
-  if (!grpc::SerializationTraits<v1::SegmentRequest>::Deserialize(&request, &request_).ok()) {
-    return wire::with_reason(absl::InvalidArgumentError("the request is no serialized SegmentRequest"),
-                             wire::ErrorReason::kMalformedPayload);
-  }
-  return absl::OkStatus();
+  return wire::parse_bounded(request, "SegmentRequest", request_);
 }
 
 absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
   const std::uint64_t bytes = request.Length();
+  RETURN_IF_ERROR(memory_.receive(bytes));
   RETURN_IF_ERROR(parse(request));
   ASSIGN_OR_RETURN(FrameSettings settings, service_.resolver_.resolve_call(request_, arrival_, deadline_));
 
@@ -82,13 +82,14 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
     return queue_full(*refusal, service_.pool_.retry_delay());
   }
   ticket_ = std::get<WorkerPool::Ticket>(submitted);
+  submitted_ = true;
   return absl::OkStatus();
 }
 
 void SegmentCall::run(std::size_t worker, const FrameSettings& settings) {
   finish(catch_exceptions([&]() -> absl::Status {
     ASSIGN_OR_RETURN(v1::SegmentationResult result,
-                     compute_frame(request_.cloud(), settings, cancelled_, *service_.backends_[worker]));
+                     compute_frame(request_.cloud(), settings, cancelled_, *service_.backends_[worker], memory_));
     return answer(std::move(result));
   }));
 }
@@ -108,21 +109,38 @@ absl::Status SegmentCall::answer(v1::SegmentationResult result) {
 
 void SegmentCall::OnCancel() {
   cancelled_ = true;
-  if (ticket_ && service_.pool_.withdraw(*ticket_)) {
-    finish(deadline_ && Clock::now() >= *deadline_
+  withdraw(deadline_ && Clock::now() >= *deadline_
                ? absl::DeadlineExceededError("the deadline passed while the call waited for a worker")
                : absl::CancelledError("cancelled while the call waited for a worker"));
-  }
+}
+
+void SegmentCall::abort() {
+  aborted_ = true;
+  cancelled_ = true;
+  withdraw(draining());
+}
+
+void SegmentCall::withdraw(const absl::Status& status) {
+  if (submitted_ && service_.pool_.withdraw(ticket_)) finish(status);
 }
 
 void SegmentCall::finish(const absl::Status& status) {
-  log_call(context_, request_.request_id(), summary_, status);
-  Finish(wire::to_grpc(status));  // from here on `this` may be gone
+  const absl::Status told = aborted_ && !status.ok() ? draining() : status;
+  log_call(context_, request_.request_id(), summary_, told);
+  finished_at_ = Clock::now();
+  Finish(wire::to_grpc(told));  // from here on `this` may be gone
+}
+
+void SegmentCall::on_tick(Time now) {
+  const Time finished_at = finished_at_;
+  if (finished_at != Time::max() && now - finished_at >= service_.stream_settings_.result_timeout) canceler_.cancel();
 }
 
 void SegmentCall::OnDone() {
+  canceler_.forget();
   InFlightCalls& calls = service_.calls_;
-  delete this;
+  service_.unary_calls_.remove(self_);
+  self_.reset();    // `this` may be gone now
   calls.release();  // comes last, because the service may end as soon as no call is in flight
 }
 

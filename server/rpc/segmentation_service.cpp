@@ -25,8 +25,15 @@ std::vector<std::unique_ptr<SegmentationBackend>> make_backends(std::size_t coun
   return backends;
 }
 
-StreamSettings stream_settings(const FrameResolver& resolver, const v1::GetServerInfoResponse& info) {
-  StreamSettings settings{.resolver = resolver};
+CreditLimits credit_limits(const ServerOptions& options) {
+  return {.most_per_stream = {.frames = options.stream_frames, .bytes = options.stream_bytes},
+          .default_bytes_per_stream = kDefaultBytesPerStream};
+}
+
+StreamSettings stream_settings(const ServerOptions& options, const FrameResolver& resolver, MemoryLedger& ledger,
+                               const v1::GetServerInfoResponse& info) {
+  StreamSettings settings{
+      .resolver = resolver, .credit = credit_limits(options), .ledger = &ledger, .max_voxels = options.max_voxels};
   v1::StreamOpened& greeting = settings.greeting;
   greeting.set_server_version(info.version());
   *greeting.mutable_limits() = info.limits();
@@ -36,34 +43,34 @@ StreamSettings stream_settings(const FrameResolver& resolver, const v1::GetServe
   return settings;
 }
 
-CreditLimits credit_limits(const ServerOptions& options) {
-  return {.most_per_stream = {.frames = options.stream_frames, .bytes = options.stream_bytes},
-          .default_bytes_per_stream = kDefaultBytesPerStream,
-          .bytes_of_all_streams = options.all_streams_bytes};
-}
-
-/// A stream that comes while the server drains.
-class RefusedStream final : public grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse> {
+/// A stream that is refused at once.
+class RefusedStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  RefusedStream() { Finish(wire::to_grpc(draining())); }
+  explicit RefusedStream(const absl::Status& why) { Finish(wire::to_grpc(why)); }
   void OnDone() override { delete this; }
 };
 
 }  // namespace
 
 SegmentationService::SegmentationService(const ServerOptions& options, const BackendFactory& make_backend)
-    : resolver_(options),
+    : ledger_(options.memory),
+      max_voxels_(options.max_voxels),
+      resolver_(options),
       info_(server_info(options, options.workers)),
-      stream_settings_(stream_settings(resolver_, info_)),
-      credit_(credit_limits(options)),
+      stream_settings_(stream_settings(options, resolver_, ledger_, info_)),
       backends_(make_backends(options.workers, make_backend)),
       pool_(options.workers,
             {.jobs = options.workers + options.queue, .bytes = options.queue_bytes, .points = options.queue_points}),
-      sessions_(kTick) {}
+      sessions_(kTick, [this] { unary_calls_.on_tick(std::chrono::steady_clock::now()); }) {}
 
 void SegmentationService::start_draining() {
   calls_.close();
   sessions_.start_draining();
+}
+
+void SegmentationService::abort_calls() {
+  unary_calls_.abort_all();
+  sessions_.abort_all();
 }
 
 grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerContext* context,
@@ -74,20 +81,21 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
     reactor->Finish(wire::to_grpc(draining()));
     return reactor;
   }
-  auto* call = new SegmentCall(*this, *context, *response);  // deletes itself in OnDone
+  const auto call = std::make_shared<SegmentCall>(*this, *context, *response);
+  unary_calls_.add(call);
   // Nobody else uses the request's bytes. Parsing frees them, so that they are not in memory twice.
-  call->start(const_cast<grpc::ByteBuffer&>(*request));
-  return call;
+  call->start(const_cast<grpc::ByteBuffer&>(*request));  // from now on it owns itself
+  return call.get();
 }
 
-grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentationService::SegmentStream(
+grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SegmentationService::SegmentStream(
     grpc::CallbackServerContext* context) {
-  if (!calls_.admit()) return new RefusedStream();  // deletes itself
+  if (!calls_.admit()) return new RefusedStream(draining());  // deletes itself
   // Each stream counts as a client, whether or not streams share a connection.
   auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_,
                                                       fmt::format("{} stream {}", context->peer(), ++streams_so_far_));
-  const auto transport = std::make_shared<SessionTransport>(calls_, sessions_, std::move(executor));
-  transport->start(stream_settings_, credit_);  // from now on it owns itself
+  const auto transport = std::make_shared<SessionTransport>(*context, calls_, sessions_, std::move(executor));
+  transport->start(stream_settings_);  // from now on it owns itself
   return transport.get();
 }
 

@@ -11,36 +11,40 @@
 #include "segserve/v1/segmentation_service.grpc.pb.h"
 #include "server/frames/frame_resolver.hpp"
 #include "server/frames/segmentation_backend.hpp"
+#include "server/memory/memory_ledger.hpp"
 #include "server/options/server_options.hpp"
+#include "server/rpc/unary_calls.hpp"
 #include "server/scheduling/in_flight_calls.hpp"
 #include "server/scheduling/worker_pool.hpp"
-#include "server/stream/credit_budget.hpp"
 #include "server/stream/session_registry.hpp"
 #include "server/stream/stream_session.hpp"
 
 namespace segserve::server {
 
-/// The generated service with Segment as bytes and the other methods as messages. gRPC answers a request that it cannot
-/// parse with a bare UNIMPLEMENTED; SegmentCall parses it itself and answers INVALID_ARGUMENT, as the API promises.
+/// The generated service with Segment and SegmentStream as bytes, and GetServerInfo as messages. Bytes are parsed by
+/// wire::parse_bounded, because gRPC would build any message before our code sees it. gRPC also answers a request that
+/// it cannot parse with a bare UNIMPLEMENTED, and ends a stream with OK.
 using RawSegmentationService =
-    v1::SegmentationService::WithRawCallbackMethod_Segment<v1::SegmentationService::WithCallbackMethod_SegmentStream<
+    v1::SegmentationService::WithRawCallbackMethod_Segment<v1::SegmentationService::WithRawCallbackMethod_SegmentStream<
         v1::SegmentationService::WithCallbackMethod_GetServerInfo<v1::SegmentationService::Service>>>;
 
 /// The RPCs of segserve.v1. Handlers never block: they check the request and hand it to the worker pool.
 class SegmentationService final : public RawSegmentationService {
  public:
-  /// `options.workers` must not be 0 here.
+  /// `options.workers` and `options.memory` must not be 0 here.
   SegmentationService(const ServerOptions& options, const BackendFactory& make_backend);
 
   grpc::ServerUnaryReactor* Segment(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
                                     grpc::ByteBuffer* response) override;
-  grpc::ServerBidiReactor<v1::SegmentStreamRequest, v1::SegmentStreamResponse>* SegmentStream(
+  grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SegmentStream(
       grpc::CallbackServerContext* context) override;
   grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* request,
                                           v1::GetServerInfoResponse* response) override;
 
   /// From now on, new calls of Segment and SegmentStream and new frames are refused with UNAVAILABLE, DRAINING.
   void start_draining();
+  /// Ends all calls in flight with UNAVAILABLE, DRAINING as soon as nothing is computed for them any more.
+  void abort_calls();
   /// Waits for the calls in flight; false if some are left at the deadline.
   bool wait_until_idle_or(std::chrono::steady_clock::time_point deadline) {
     return calls_.wait_until_none_or(deadline);
@@ -52,12 +56,14 @@ class SegmentationService final : public RawSegmentationService {
  private:
   friend class SegmentCall;
 
+  MemoryLedger ledger_;
+  const std::uint64_t max_voxels_;
   const FrameResolver resolver_;
   const v1::GetServerInfoResponse info_;
   const StreamSettings stream_settings_;
   InFlightCalls calls_;
-  CreditBudget credit_;
   std::atomic<std::uint64_t> streams_so_far_{0};
+  UnaryCalls unary_calls_;
   std::vector<std::unique_ptr<SegmentationBackend>> backends_;  // one per worker
   // The members below are destroyed first, and with them everything that uses those above.
   WorkerPool pool_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/rpc/server_info.hpp"
 
+#include <chrono>
 #include <optional>
 #include <string>
 
@@ -30,6 +31,9 @@ v1::GetServerInfoResponse server_info(const ServerOptions& options, std::size_t 
   limits.set_max_queue(static_cast<std::uint32_t>(options.queue));
   limits.set_max_queue_bytes(options.queue_bytes);
   limits.set_max_queue_points(options.queue_points);
+  limits.set_max_voxels(options.max_voxels);
+  limits.set_memory_bytes(options.memory);
+  limits.set_max_frame_seconds(std::chrono::duration<double>(options.max_frame_time).count());
 
   const Options defaults = resolved(options.defaults);
   *info.mutable_default_options() = wire::to_message(defaults);

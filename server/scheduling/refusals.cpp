@@ -45,13 +45,6 @@ absl::Status evicted_from_queue(std::chrono::milliseconds retry_delay) {
       {.reason = wire::ErrorReason::kQueueFull, .retry_delay = retry_delay});
 }
 
-absl::Status no_credit_left() {
-  constexpr std::chrono::milliseconds kRetryDelay{1000};
-  return wire::with_details(
-      absl::ResourceExhaustedError("all credit of this server is given to other streams; try again later"),
-      {.reason = wire::ErrorReason::kQueueFull, .retry_delay = kRetryDelay});
-}
-
 absl::Status draining() {
   constexpr std::chrono::milliseconds kRetryElsewhere{500};
   return wire::with_details(absl::UnavailableError("the server is about to stop; try again with another replica"),

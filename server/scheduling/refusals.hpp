@@ -16,9 +16,6 @@ absl::Status queue_full(const Refusal& refusal, std::chrono::milliseconds retry_
 /// RESOURCE_EXHAUSTED, QUEUE_FULL, for a job that was evicted.
 absl::Status evicted_from_queue(std::chrono::milliseconds retry_delay);
 
-/// RESOURCE_EXHAUSTED, QUEUE_FULL, for a stream that comes when other streams have all the credit.
-absl::Status no_credit_left();
-
 /// UNAVAILABLE, DRAINING, for calls and frames that come when the server is about to stop.
 absl::Status draining();
 

@@ -8,6 +8,7 @@
 
 #include "proto/wire/byte_run.hpp"
 #include "segserve/v1/stream.pb.h"
+#include "server/memory/frame_memory.hpp"
 
 namespace segserve::server {
 
@@ -15,6 +16,7 @@ namespace segserve::server {
 struct FinishedFrame {
   v1::FrameOutcome outcome;
   wire::OutgoingBytes bytes;
+  FrameMemory memory;              ///< of the result, until it is sent
   std::uint64_t credit_bytes = 0;  ///< that the frame took from the stream's credit
 };
 

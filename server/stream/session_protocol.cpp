@@ -7,7 +7,6 @@
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/byte_run.hpp"
-#include "server/scheduling/refusals.hpp"
 #include "server/stream/protocol_violation.hpp"
 
 namespace segserve::server {
@@ -32,12 +31,9 @@ absl::StatusOr<SessionProtocol::Event> SessionProtocol::receive(v1::SegmentStrea
   return protocol_violation("a message of no kind that this server knows");
 }
 
-absl::Status SessionProtocol::grant(const v1::Credit& wanted) {
-  std::optional<CreditBudget::Reservation> reservation = budget_.reserve({wanted.frames(), wanted.bytes()});
-  if (!reservation) return no_credit_left();
-  credit_ = *std::move(reservation);
+void SessionProtocol::grant(const Credit& credit) {
+  credit_ = credit;
   open_ = must_send_opened_ = true;
-  return absl::OkStatus();
 }
 
 absl::StatusOr<SessionProtocol::Event> SessionProtocol::begin_frame(v1::FrameHeader& header, Time now) {
@@ -51,13 +47,13 @@ absl::StatusOr<SessionProtocol::Event> SessionProtocol::begin_frame(v1::FrameHea
   }
   RETURN_IF_ERROR(take_credit(header));
   last_sequence_ = sequence;
-  last_chunk_ = now;
+  upload_began_ = last_chunk_ = now;
   upload_ = std::make_shared<StreamFrame>(std::move(header));
   return Event{.kind = Event::kBegun, .frame = upload_};
 }
 
 absl::Status SessionProtocol::take_credit(const v1::FrameHeader& header) {
-  const Credit& granted = credit_.credit();
+  const Credit& granted = credit_;
   if (used_.frames == granted.frames) {
     return protocol_violation(
         fmt::format("frame {} is beyond the credit of {} frames", header.sequence(), granted.frames));
@@ -96,8 +92,12 @@ StreamFramePointer SessionProtocol::half_close() {
   return is_uploading() ? upload_ : nullptr;
 }
 
-StreamFramePointer SessionProtocol::stalled_upload(Time now, std::chrono::milliseconds timeout) const {
-  return is_uploading() && now - last_chunk_ >= timeout ? upload_ : nullptr;
+StreamFramePointer SessionProtocol::stalled_upload(Time now, const UploadPace& pace) const {
+  if (!is_uploading()) return nullptr;
+  const std::chrono::duration<double> all_bytes(static_cast<double>(upload_->header.encoded_bytes()) /
+                                                static_cast<double>(pace.least_rate));
+  const bool too_slow = now - last_chunk_ >= pace.between_chunks || now - upload_began_ >= pace.grace + all_bytes;
+  return too_slow ? upload_ : nullptr;
 }
 
 bool SessionProtocol::next(v1::SegmentStreamResponse& message) {
@@ -105,8 +105,8 @@ bool SessionProtocol::next(v1::SegmentStreamResponse& message) {
   if (must_send_opened_) {
     must_send_opened_ = false;
     v1::StreamOpened& opened = *message.mutable_opened() = greeting_;
-    opened.mutable_credit()->set_frames(credit_.credit().frames);
-    opened.mutable_credit()->set_bytes(credit_.credit().bytes);
+    opened.mutable_credit()->set_frames(credit_.frames);
+    opened.mutable_credit()->set_bytes(credit_.bytes);
     return true;
   }
   if (must_send_draining_ && open_) {

@@ -8,11 +8,18 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "segserve/v1/stream.pb.h"
-#include "server/stream/credit_budget.hpp"
+#include "server/stream/credit.hpp"
 #include "server/stream/outbox.hpp"
 #include "server/stream/stream_frame.hpp"
 
 namespace segserve::server {
+
+/// How fast the payload of a frame must come.
+struct UploadPace {
+  std::chrono::milliseconds between_chunks;  ///< at most
+  std::chrono::milliseconds grace;           ///< for the whole payload, besides the time of its bytes at `least_rate`
+  std::uint64_t least_rate;                  ///< bytes per second
+};
 
 /// The server's side of the rules in stream.proto for one stream: the order of messages, credit, uploads in chunks, and
 /// which message is sent next. It knows neither computation nor transport nor clock. One thread at a time may use it.
@@ -21,8 +28,7 @@ class SessionProtocol {
   using Time = StreamFrame::Time;
 
   /// `greeting` is the answer to StreamOpen without the credit. All references must outlive this object.
-  SessionProtocol(const v1::StreamOpened& greeting, CreditBudget& budget, Outbox& outbox)
-      : greeting_(greeting), budget_(budget), outbox_(outbox) {}
+  SessionProtocol(const v1::StreamOpened& greeting, Outbox& outbox) : greeting_(greeting), outbox_(outbox) {}
 
   /// What a message from the client means.
   struct Event {
@@ -39,14 +45,14 @@ class SessionProtocol {
   /// May take parts of the message. INVALID_ARGUMENT, PROTOCOL_VIOLATION, which ends the stream.
   absl::StatusOr<Event> receive(v1::SegmentStreamRequest& message, Time now);
 
-  /// Accepts a stream. RESOURCE_EXHAUSTED if no credit is left for it.
-  absl::Status grant(const v1::Credit& wanted);
+  /// Accepts a stream, with this credit.
+  void grant(const Credit& credit);
 
   /// The client sends no more. Returns the frame that can never be complete, if there is one.
   StreamFramePointer half_close();
   bool half_closed() const { return half_closed_; }
-  /// The frame that is being uploaded if no chunk of it has come for `timeout`.
-  StreamFramePointer stalled_upload(Time now, std::chrono::milliseconds timeout) const;
+  /// The frame that is being uploaded if its chunks come more slowly than the pace.
+  StreamFramePointer stalled_upload(Time now, const UploadPace& pace) const;
 
   /// The client shall be told that the server is about to stop.
   void announce_draining() { must_send_draining_ = true; }
@@ -57,8 +63,6 @@ class SessionProtocol {
 
   /// Forgets the upload, so that nothing of the stream is kept after its end.
   void forget_upload() { upload_.reset(); }
-  /// Gives the credit back.
-  void release_credit() { credit_.release(); }
 
  private:
   absl::StatusOr<Event> begin_frame(v1::FrameHeader& header, Time now);
@@ -67,16 +71,14 @@ class SessionProtocol {
   bool is_uploading() const { return upload_ && upload_->state == StreamFrame::State::kUploading; }
 
   const v1::StreamOpened& greeting_;
-  CreditBudget& budget_;
   Outbox& outbox_;
 
-  CreditBudget::Reservation credit_;
-  Credit used_;
+  Credit credit_, used_;
   bool open_ = false, half_closed_ = false;
   bool must_send_opened_ = false, must_send_draining_ = false;
   std::optional<std::uint64_t> last_sequence_;
-  StreamFramePointer upload_;  // the frame that began last, also when it is over
-  Time last_chunk_;            // of `upload_`, or its header
+  StreamFramePointer upload_;       // the frame that began last, also when it is over
+  Time upload_began_, last_chunk_;  // of `upload_`: its header, and its last chunk or its header
 };
 
 }  // namespace segserve::server

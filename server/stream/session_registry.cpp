@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/stream/session_registry.hpp"
 
+#include <utility>
+
+#include "server/scheduling/refusals.hpp"
+
 namespace segserve::server {
 
-SessionRegistry::SessionRegistry(std::chrono::milliseconds tick) : tick_(tick), thread_([this] { run(); }) {}
+SessionRegistry::SessionRegistry(std::chrono::milliseconds tick, std::function<void()> on_tick)
+    : tick_(tick), on_tick_(std::move(on_tick)), thread_([this] { run(); }) {}
 
 SessionRegistry::~SessionRegistry() {
   {
@@ -37,6 +42,10 @@ void SessionRegistry::start_draining() {
   for (const auto& session : snapshot()) session->start_draining();
 }
 
+void SessionRegistry::abort_all() {
+  for (const auto& session : snapshot()) session->on_cancel(draining());
+}
+
 SessionRegistry::Sessions SessionRegistry::snapshot() const {
   const MutexLock lock(mutex_);
   return sessions_;
@@ -45,6 +54,7 @@ SessionRegistry::Sessions SessionRegistry::snapshot() const {
 void SessionRegistry::run() {
   while (wait_for_tick()) {
     for (const auto& session : snapshot()) session->on_tick();
+    if (on_tick_) on_tick_();
   }
 }
 

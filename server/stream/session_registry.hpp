@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <set>
 #include <thread>
@@ -15,7 +16,8 @@ namespace segserve::server {
 /// The open streams of a server, and the thread that calls StreamSession::on_tick for all of them. Thread-safe.
 class SessionRegistry {
  public:
-  explicit SessionRegistry(std::chrono::milliseconds tick);
+  /// `on_tick` is called at every tick, too, and must not throw.
+  explicit SessionRegistry(std::chrono::milliseconds tick, std::function<void()> on_tick = nullptr);
   ~SessionRegistry();
   SessionRegistry(const SessionRegistry&) = delete;
   SessionRegistry& operator=(const SessionRegistry&) = delete;
@@ -25,6 +27,8 @@ class SessionRegistry {
 
   /// Makes all present and later sessions drain.
   void start_draining();
+  /// Ends all present sessions with UNAVAILABLE, DRAINING.
+  void abort_all();
 
  private:
   using Sessions = std::set<std::shared_ptr<StreamSession>>;
@@ -36,6 +40,7 @@ class SessionRegistry {
   Sessions snapshot() const;
 
   const std::chrono::milliseconds tick_;
+  const std::function<void()> on_tick_;
   mutable Mutex mutex_;
   CondVar stop_requested_;
   Sessions sessions_ ABSL_GUARDED_BY(mutex_);

@@ -136,6 +136,7 @@ void SessionScheduler::finish(const StreamFramePointer& frame, FinishedFrame fin
   frame->finished = std::move(finished);
   frame->header.clear_cloud();
   frame->payload = {};
+  frame->memory = {};
   if (order_ != v1::RESULT_ORDER_UNORDERED) {
     send_in_order();
   } else {

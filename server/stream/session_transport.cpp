@@ -2,13 +2,19 @@
 #include "server/stream/session_transport.hpp"
 
 #include "absl/status/status.h"
+#include "grpcpp/impl/codegen/proto_utils.h"
+#include "proto/wire/message_shape.hpp"
 #include "proto/wire/status_message.hpp"
+#include "segserve/v1/stream.pb.h"
+#include "server/frames/catch_exceptions.hpp"
+#include "spdlog/spdlog.h"
 
 namespace segserve::server {
 
-void SessionTransport::start(const StreamSettings& settings, CreditBudget& budget) {
+void SessionTransport::start(const StreamSettings& settings) {
   self_ = shared_from_this();
-  session_ = std::make_shared<StreamSession>(settings, *executor_, budget, [weak = weak_from_this()] {
+  result_timeout_ = settings.result_timeout;
+  session_ = std::make_shared<StreamSession>(settings, *executor_, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->advance();
   });
   registry_.add(session_);
@@ -25,20 +31,49 @@ void SessionTransport::OnReadDone(bool ok) {
     session_->on_half_close();
     return;
   }
-  session_->on_message(request_);
+  v1::SegmentStreamRequest message;
+  const absl::Status parsed =
+      catch_exceptions([&] { return wire::parse_bounded(request_, "SegmentStreamRequest", message); });
+  if (parsed.ok()) {
+    session_->on_message(message);
+  } else {
+    session_->on_broken_message(parsed);
+  }
   read();
 }
 
+absl::StatusOr<bool> SessionTransport::next_response() {
+  v1::SegmentStreamResponse message;
+  if (!session_->next(message)) return false;
+  response_.Clear();
+  bool owns_buffer = false;
+  const grpc::Status status =
+      grpc::SerializationTraits<v1::SegmentStreamResponse>::Serialize(message, &response_, &owns_buffer);
+  if (!status.ok()) return absl::InternalError("a message of the stream cannot be serialized");
+  return true;
+}
+
 void SessionTransport::advance() {
-  const MutexLock lock(mutex_);
-  if (writing_ || finished_) return;
-  if (session_->next(response_)) {
-    writing_ = true;
-    StartWrite(&response_);
-  } else if (const auto status = session_->ended()) {
-    finished_ = true;
-    Finish(wire::to_grpc(*status));
+  bool is_unread = false;
+  {
+    const MutexLock lock(mutex_);
+    if (finished_) return;
+    if (writing_) {
+      is_unread = StreamSettings::Clock::now() - write_began_ >= result_timeout_;
+    } else {
+      const absl::StatusOr<bool> has_next = catch_exceptions([&] { return next_response(); });
+      if (!has_next.ok()) session_->end(has_next.status());
+      if (has_next.ok() && *has_next) {
+        writing_ = true;
+        write_began_ = StreamSettings::Clock::now();
+        StartWrite(&response_);
+      } else if (const auto status = session_->ended()) {
+        finished_ = true;
+        Finish(wire::to_grpc(*status));
+      }
+    }
   }
+  if (is_unread) canceler_.cancel();
 }
 
 void SessionTransport::OnWriteDone(bool ok) {
@@ -58,8 +93,8 @@ void SessionTransport::OnCancel() {
 }
 
 void SessionTransport::OnDone() {
+  canceler_.forget();
   registry_.remove(session_);
-  session_->close();
   InFlightCalls& calls = calls_;
   self_.reset();    // `this` may be gone now
   calls.release();  // comes last, because the service may end as soon as no call is in flight

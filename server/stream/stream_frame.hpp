@@ -12,6 +12,7 @@
 #include "proto/wire/byte_run.hpp"
 #include "segserve/v1/stream.pb.h"
 #include "server/frames/frame_settings.hpp"
+#include "server/memory/frame_memory.hpp"
 #include "server/stream/frame_executor.hpp"
 #include "server/stream/outbox.hpp"
 
@@ -27,6 +28,7 @@ struct StreamFrame {
   v1::FrameHeader header;       ///< its cloud gets the payload's bytes once they have come
   FrameSettings settings;       ///< set before the payload comes
   wire::IncomingBytes payload;  ///< the bytes that have come so far
+  FrameMemory memory;           ///< of the payload and the computation
 
   State state = State::kUploading;
   FrameExecutor::Ticket ticket = 0;    ///< kQueued

@@ -5,12 +5,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "fmt/format.h"
 #include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 #include "server/frames/catch_exceptions.hpp"
 #include "server/frames/frame_computation.hpp"
 #include "server/scheduling/refusals.hpp"
+#include "server/stream/protocol_violation.hpp"
 
 namespace segserve::server {
 namespace {
@@ -20,32 +22,39 @@ absl::Status unfinished_upload(const StreamFrame& frame) {
                                      frame.payload.missing(), frame.header.encoded_bytes()));
 }
 
-absl::Status stalled(std::chrono::milliseconds timeout) {
-  return wire::with_reason(
-      absl::DeadlineExceededError(fmt::format("no chunk of the frame came for {} ms", timeout.count())),
-      wire::ErrorReason::kUploadStalled);
+absl::Status stalled() {
+  return wire::with_reason(absl::DeadlineExceededError("the chunks of the frame came too slowly, or not at all"),
+                           wire::ErrorReason::kUploadStalled);
+}
+
+absl::Status idle(std::chrono::milliseconds timeout) {
+  return absl::UnavailableError(fmt::format("the stream had neither a message nor a frame for {} s",
+                                            std::chrono::duration_cast<std::chrono::seconds>(timeout).count()));
 }
 
 /// The outcome of a frame whose turn it is.
-absl::StatusOr<FinishedFrame> compute_outcome(const StreamFrame& frame, SegmentationBackend& backend) {
+absl::StatusOr<FinishedFrame> compute_outcome(StreamFrame& frame, SegmentationBackend& backend) {
   ASSIGN_OR_RETURN(v1::SegmentationResult result,
-                   compute_frame(frame.header.cloud(), frame.settings, frame.cancelled, backend));
-  return outcome_with_result(frame, std::move(result));
+                   compute_frame(frame.header.cloud(), frame.settings, frame.cancelled, backend, frame.memory));
+  FinishedFrame finished = outcome_with_result(frame, std::move(result));
+  finished.memory = std::move(frame.memory);
+  return finished;
 }
 
 }  // namespace
 
-StreamSession::StreamSession(const StreamSettings& settings, FrameExecutor& executor, CreditBudget& budget,
-                             std::function<void()> wake)
+StreamSession::StreamSession(const StreamSettings& settings, FrameExecutor& executor, std::function<void()> wake)
     : settings_(settings),
       wake_(std::move(wake)),
-      protocol_(settings.greeting, budget, outbox_),
-      scheduler_(executor, outbox_) {}
+      protocol_(settings.greeting, outbox_),
+      scheduler_(executor, outbox_),
+      last_message_(settings.now()) {}
 
 void StreamSession::on_message(v1::SegmentStreamRequest& message) {
   {
     const MutexLock lock(mutex_);
     if (end_) return;
+    last_message_ = settings_.now();
     const absl::Status status = catch_exceptions([&] {
       mutex_.assert_held();
       return handle(message);
@@ -53,6 +62,19 @@ void StreamSession::on_message(v1::SegmentStreamRequest& message) {
     if (!status.ok()) end_with(status);
   }
   wake_();
+}
+
+void StreamSession::on_broken_message(const absl::Status& why) {
+  {
+    const MutexLock lock(mutex_);
+    end_with(protocol_violation(message_of(why)));
+  }
+  wake_();
+}
+
+void StreamSession::end(const absl::Status& status) {
+  const MutexLock lock(mutex_);
+  end_with(status);
 }
 
 void StreamSession::on_half_close() {
@@ -86,9 +108,10 @@ void StreamSession::on_tick() {
     const MutexLock lock(mutex_);
     const StreamFrame::Time now = settings_.now();
     scheduler_.expire(now);
-    if (const StreamFramePointer frame = protocol_.stalled_upload(now, settings_.upload_timeout)) {
-      scheduler_.fail(frame, stalled(settings_.upload_timeout));
-    }
+    const UploadPace pace{settings_.upload_timeout, settings_.upload_grace, settings_.least_upload_rate};
+    if (const StreamFramePointer frame = protocol_.stalled_upload(now, pace)) scheduler_.fail(frame, stalled());
+    if (scheduler_.in_flight() > 0 || !outbox_.empty()) last_message_ = now;
+    if (now - last_message_ >= settings_.idle_timeout) end_with(idle(settings_.idle_timeout));
   }
   wake_();
 }
@@ -118,7 +141,8 @@ absl::Status StreamSession::open(const v1::StreamOpen& message) {
   ASSIGN_OR_RETURN(defaults_, settings_.resolver.resolve_stream(message));
   if (draining_) return draining();
   scheduler_.set_policy(message);
-  return protocol_.grant(message.wanted());
+  protocol_.grant(settings_.credit.grant({message.wanted().frames(), message.wanted().bytes()}));
+  return absl::OkStatus();
 }
 
 void StreamSession::begin(const StreamFramePointer& frame) {
@@ -132,6 +156,8 @@ void StreamSession::begin(const StreamFramePointer& frame) {
 
 absl::Status StreamSession::resolve(StreamFrame& frame) {
   ASSIGN_OR_RETURN(frame.settings, settings_.resolver.resolve_frame(frame.header, defaults_, settings_.now()));
+  if (settings_.ledger != nullptr) frame.memory = FrameMemory(*settings_.ledger, settings_.max_voxels);
+  RETURN_IF_ERROR(frame.memory.receive(frame.header.encoded_bytes()));
   frame.payload = wire::IncomingBytes(wire::payload_block_sizes(frame.header.cloud()));
   return absl::OkStatus();
 }
@@ -178,11 +204,6 @@ std::optional<absl::Status> StreamSession::ended() const {
   if (protocol_.half_closed()) return absl::OkStatus();
   if (draining_) return draining();
   return std::nullopt;
-}
-
-void StreamSession::close() {
-  const MutexLock lock(mutex_);
-  protocol_.release_credit();
 }
 
 std::size_t StreamSession::frames_in_flight() const {

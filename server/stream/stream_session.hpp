@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -14,7 +15,8 @@
 #include "segserve/v1/stream.pb.h"
 #include "server/frames/frame_resolver.hpp"
 #include "server/frames/segmentation_backend.hpp"
-#include "server/stream/credit_budget.hpp"
+#include "server/memory/memory_ledger.hpp"
+#include "server/stream/credit.hpp"
 #include "server/stream/frame_executor.hpp"
 #include "server/stream/outbox.hpp"
 #include "server/stream/session_protocol.hpp"
@@ -28,8 +30,16 @@ struct StreamSettings {
   using Clock = std::chrono::steady_clock;
 
   FrameResolver resolver;                          ///< makes the settings of every frame
+  CreditLimits credit = {};                        ///< of every stream
+  MemoryLedger* ledger = nullptr;                  ///< from which frames lease memory; null: they are not bounded
+  std::uint64_t max_voxels = 0;                    ///< of a frame
   v1::StreamOpened greeting = {};                  ///< the answer to StreamOpen without the credit
   std::chrono::milliseconds upload_timeout{5000};  ///< between two chunks of a frame
+  /// A frame's upload may take `upload_grace` and the time of its bytes at this rate, bytes per second.
+  std::uint64_t least_upload_rate = 16 * 1024;
+  std::chrono::milliseconds upload_grace{10'000};
+  std::chrono::milliseconds result_timeout{30'000};  ///< for the client to read a message
+  std::chrono::milliseconds idle_timeout{600'000};   ///< without a message or a frame; the stream ends then
   std::function<Clock::time_point()> now = Clock::now;
 };
 
@@ -42,12 +52,14 @@ struct StreamSettings {
 /// lock held.
 class StreamSession : public std::enable_shared_from_this<StreamSession> {
  public:
-  /// Settings, executor and budget must outlive the session's work, which is over after `ended` and `close`.
-  StreamSession(const StreamSettings& settings, FrameExecutor& executor, CreditBudget& budget,
-                std::function<void()> wake);
+  /// Settings and executor must outlive the session's work, which is over after `ended`. Later only jobs that are still
+  /// in the queue may use the session.
+  StreamSession(const StreamSettings& settings, FrameExecutor& executor, std::function<void()> wake);
 
   /// May take parts of the message.
   void on_message(v1::SegmentStreamRequest& message);
+  /// A message came that cannot be parsed; `why` says so.
+  void on_broken_message(const absl::Status& why);
   /// The client sends no more.
   void on_half_close();
   /// The transport is gone, or its deadline has passed. The session ends with this status as soon as nothing is
@@ -62,8 +74,8 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   bool next(v1::SegmentStreamResponse& message);
   /// The status of the stream, once nothing is left to do or to send.
   std::optional<absl::Status> ended() const;
-  /// Gives the credit back. After it, only jobs that are still in the queue may use the session.
-  void close();
+  /// Ends the session with this status as soon as nothing is computed any more, without calling `wake`.
+  void end(const absl::Status& status);
 
   /// Frames whose outcome has not been handed to the transport.
   std::size_t frames_in_flight() const;
@@ -87,6 +99,8 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   SessionScheduler scheduler_ ABSL_GUARDED_BY(mutex_);
   wire::ParsedRequest defaults_ ABSL_GUARDED_BY(mutex_);  // of frames that do not say it themselves
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
+  StreamFrame::Time last_message_
+      ABSL_GUARDED_BY(mutex_);  // from the client, or the last time that a frame was in flight
   std::optional<absl::Status> end_ ABSL_GUARDED_BY(mutex_);  // set before its time: by a fault, or from outside
 };
 

@@ -79,13 +79,13 @@ double frames_per_second(std::size_t workers, int count) {
   std::vector<std::unique_ptr<server::SegmentationBackend>> segmenters(workers);
   std::ranges::generate(segmenters, server::core_backend_factory());
   const Cloud& cloud = frames().front().cloud;
-  for (auto& segmenter : segmenters) (void)segmenter->segment(cloud, {}, {});
+  for (auto& segmenter : segmenters) (void)segmenter->segment(cloud, {}, {}, nullptr);
   const Clock::time_point begin = Clock::now();
   {
     server::WorkerPool pool(workers, {.jobs = 1'000'000, .bytes = 1, .points = 1});
     for (int i = 0; i < count; ++i) {
       pool.submit({.client = "bench"},
-                  {.run = [&](std::size_t worker) { (void)segmenters[worker]->segment(cloud, {}, {}); }});
+                  {.run = [&](std::size_t worker) { (void)segmenters[worker]->segment(cloud, {}, {}, nullptr); }});
     }
   }  // The destructor waits until all jobs are done.
   return count / ms_since(begin) * 1000;

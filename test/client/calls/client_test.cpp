@@ -195,7 +195,8 @@ TEST_F(ClientTest, ServesSeveralThreadsAtOnce) {
 /// Computes until it is told to stop.
 class EndlessSegmenter final : public server::SegmentationBackend {
  public:
-  absl::StatusOr<Segmentation> segment(const CloudView&, const Options&, const StopToken& stop) override {
+  absl::StatusOr<Segmentation> segment(const CloudView&, const Options&, const StopToken& stop,
+                                       const Admission&) override {
     while (stop.check().ok()) std::this_thread::sleep_for(milliseconds(1));
     return stop.check();
   }

@@ -87,26 +87,90 @@ TEST(Session, AWorkerThatTookAFrameOfAnEndedStreamLetsItBe) {
   EXPECT_TRUE(harness.session->ended());
 }
 
-TEST(Session, GivesItsCreditBackWhenItIsClosed) {
-  SessionHarness harness({.frames = 1, .bytes = 1000});
-  EXPECT_EQ(harness.budget().free_bytes(), 4000U);
+TEST(Session, AMessageThatCannotBeParsedEndsTheStream) {
+  SessionHarness harness;
   harness.open();
-  EXPECT_EQ(harness.budget().free_bytes(), 3000U);
-  harness.session->close();
-  EXPECT_EQ(harness.budget().free_bytes(), 4000U);
+  harness.session->on_broken_message(wire::malformed("the message is no serialized SegmentStreamRequest"));
+  ASSERT_TRUE(harness.session->ended());
+  EXPECT_EQ(wire::details_of(*harness.session->ended()).reason, wire::ErrorReason::kProtocolViolation);
 }
 
-TEST(Session, WithoutCreditLeftTheStreamIsRefused) {
-  SessionHarness harness({.frames = 1, .bytes = 1000});
-  const auto all = harness.budget().reserve({.frames = 1, .bytes = 1000});
-  const auto more = harness.budget().reserve({}), most = harness.budget().reserve({}),
-             rest = harness.budget().reserve({});
-  ASSERT_TRUE(all && more && most && rest);
-  v1::SegmentStreamRequest message;
-  message.mutable_open();
-  harness.say(message);
-  EXPECT_EQ(harness.session->ended()->code(), absl::StatusCode::kResourceExhausted);
-  EXPECT_TRUE(wire::details_of(*harness.session->ended()).retry_delay);
+TEST(Session, AStreamThatDoesNothingEnds) {
+  SessionHarness harness;
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.now += harness.settings.idle_timeout;
+  harness.session->on_tick();
+  EXPECT_FALSE(harness.session->ended()) << "a frame is in flight";
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
+  harness.now += harness.settings.idle_timeout - std::chrono::milliseconds(1);
+  harness.session->on_tick();
+  EXPECT_FALSE(harness.session->ended());
+  harness.now += std::chrono::milliseconds(1);
+  harness.session->on_tick();
+  ASSERT_TRUE(harness.session->ended());
+  EXPECT_TRUE(absl::IsUnavailable(*harness.session->ended())) << *harness.session->ended();
+}
+
+TEST(Session, AnUploadOfAByteNowAndThenIsStalled) {
+  SessionHarness harness;
+  harness.open();
+  const SentFrame frame(1);
+  harness.say_header(frame.header);
+  const auto step = harness.settings.upload_timeout / 2;
+  for (auto passed = step; passed < harness.settings.upload_grace; passed += step) {
+    harness.now += step;
+    harness.say_chunk(1, "x");
+    harness.session->on_tick();
+    EXPECT_TRUE(harness.outcomes().empty()) << passed.count();
+  }
+  harness.now += step + std::chrono::seconds(1);
+  harness.session->on_tick();
+  const v1::FrameOutcome outcome = harness.outcome();
+  EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_FAILED);
+  EXPECT_EQ(wire::details_of(wire::from_message(outcome.status())).reason, wire::ErrorReason::kUploadStalled);
+}
+
+TEST(Session, AFrameHoldsMemoryFromItsHeaderUntilItsResultIsRead) {
+  SessionHarness harness;
+  harness.open();
+  EXPECT_EQ(harness.ledger.leased(), 0U) << "credit alone holds none";
+  SentFrame frame(1);
+  const std::uint64_t payload = frame.header.encoded_bytes();
+  harness.send(std::move(frame));
+  EXPECT_EQ(harness.ledger.leased(), payload);
+  harness.compute();
+  EXPECT_GT(harness.ledger.leased(), 0U);
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(harness.ledger.leased(), 0U);
+}
+
+TEST(Session, AFrameThatFindsNoMemoryIsToBeSentAgain) {
+  SessionHarness harness;
+  harness.open();
+  auto others = harness.ledger.lease(SessionHarness::kMemory - 8);
+  harness.send(SentFrame(1));
+  const v1::FrameOutcome outcome = harness.outcome();
+  EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_FAILED);
+  const wire::ErrorDetails details = wire::details_of(wire::from_message(outcome.status()));
+  EXPECT_EQ(details.reason, wire::ErrorReason::kQueueFull);
+  EXPECT_TRUE(details.retry_delay);
+  others->release();
+  harness.send(SentFrame(2));
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
+}
+
+TEST(Session, TheEndOfAStreamFreesItsMemory) {
+  SessionHarness harness;
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.send(SentFrame(2));
+  harness.compute();
+  EXPECT_GT(harness.ledger.leased(), 0U);
+  harness.session->on_cancel(absl::CancelledError("gone"));
+  EXPECT_EQ(harness.ledger.leased(), 0U);
 }
 
 }  // namespace

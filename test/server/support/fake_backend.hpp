@@ -43,7 +43,8 @@ class FakeBackend final : public SegmentationBackend {
   using Function = std::function<absl::StatusOr<Segmentation>(const CloudView&, const Options&, const StopToken&)>;
 
   explicit FakeBackend(Function function) : function_(std::move(function)) {}
-  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop) override {
+  absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop,
+                                       const Admission& /*admit*/) override {
     return function_(cloud, options, stop);
   }
 

@@ -77,14 +77,14 @@ class SessionHarness {
   using Response = v1::SegmentStreamResponse;
 
   explicit SessionHarness(Credit credit = {.frames = 4, .bytes = 1 << 20})
-      : budget_({.most_per_stream = credit,
-                 .default_bytes_per_stream = credit.bytes,
-                 .bytes_of_all_streams = 4 * credit.bytes}),
-        backend_([this](const CloudView& cloud, const Options& options, const StopToken& stop) {
+      : backend_([this](const CloudView& cloud, const Options& options, const StopToken& stop) {
           return on_segment ? on_segment(cloud, options, stop) : absl::StatusOr<Segmentation>(all_in_one(cloud));
         }) {
     settings.now = [this] { return now; };
-    session = std::make_shared<StreamSession>(settings, executor, budget_, [this] { ++wakes; });
+    settings.credit = {.most_per_stream = credit, .default_bytes_per_stream = credit.bytes};
+    settings.ledger = &ledger;
+    settings.max_voxels = 1000;
+    session = std::make_shared<StreamSession>(settings, executor, [this] { ++wakes; });
   }
 
   static ServerOptions limited(std::uint32_t threads = 1) {
@@ -156,8 +156,8 @@ class SessionHarness {
     return found.empty() ? v1::FrameOutcome() : found.front();
   }
 
-  CreditBudget& budget() { return budget_; }
-
+  static constexpr std::uint64_t kMemory = 1 << 20;
+  MemoryLedger ledger{kMemory};
   StreamSettings settings{.resolver = FrameResolver(limited())};  // not to be changed after `open`
   StreamSettings::Clock::time_point now =
       StreamSettings::Clock::now() + std::chrono::hours(1);  // so that no real time expires
@@ -166,7 +166,6 @@ class SessionHarness {
   std::atomic<int> wakes{0};
 
  private:
-  CreditBudget budget_;
   FakeBackend backend_;
 
  public:
