@@ -41,17 +41,26 @@ Executor::Executor(Executor&&) noexcept = default;
 Executor& Executor::operator=(Executor&&) noexcept = default;
 
 void Executor::run_parts(absl::FunctionRef<void(unsigned part)> run_part) {
+  // At the end of a scope, because a part may end by an exception.
+  struct Announcement {
+    void* of;
+    ~Announcement() { announce(of); }
+  };
+  struct Observation {
+    void* of;
+    ~Observation() { observe(of); }
+  };
   char fork = 0, join = 0;
   announce(&fork);
+  const Observation of_all_parts{&join};
   arena_->tasks.execute([&] {
     const auto run = [&](unsigned part) {
       observe(&fork);
+      const Announcement of_this_part{&join};
       run_part(part);
-      announce(&join);
     };
     oneapi::tbb::parallel_for(0U, threads_, run, oneapi::tbb::static_partitioner());
   });
-  observe(&join);
 }
 
 }  // namespace segserve
