@@ -101,8 +101,6 @@ Segmenter::~Segmenter() = default;
 Segmenter::Segmenter(Segmenter&&) noexcept = default;
 Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
-void Segmenter::free_buffers() { workspace_ = std::make_unique<Workspace>(); }
-
 absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& options, const StopToken& stop,
                                                 const Admission& admit) {
   RETURN_IF_ERROR(check(options, cloud.view));

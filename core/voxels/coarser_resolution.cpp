@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/stop_check.hpp"
+#include "core/voxels/cell_input.hpp"
 #include "core/voxels/cell_mapping.hpp"
 #include "core/voxels/point_selection.hpp"
 #include "core/voxels/simd/voxel_kernels.hpp"
@@ -62,13 +63,7 @@ double count_voxels(const FrameContext& frame, int power, StopCheck& check) {
   for (std::size_t first = 0; first < frame.cloud.size(); first += kChunk) {
     const std::size_t count = std::min(kChunk, frame.cloud.size() - first);
     if (check.after(count)) break;
-    const CellInput in{frame.cloud.x.data() + first,
-                       frame.cloud.y.data() + first,
-                       frame.cloud.z.data() + first,
-                       frame.view().kind == ViewKind::kCamera,
-                       mapping.cells_per_meter,
-                       mapping.units_per_meter,
-                       selection.all() ? nullptr : &selection.limits()};
+    const CellInput in = cell_input(frame.cloud, selection, mapping, first);
     const std::size_t valid = voxel_kernels().find_cells(in, count, {keys.data(), x.data(), y.data(), z.data()});
     for (std::size_t i = 0; i < valid; ++i) {
       if (keys[i] != kNoKey) counter.add(coarser(keys[i], power));

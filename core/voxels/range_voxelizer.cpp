@@ -2,6 +2,7 @@
 #include "core/voxels/range_voxelizer.hpp"
 
 #include "core/base/stop_check.hpp"
+#include "core/voxels/cell_input.hpp"
 
 namespace segserve {
 
@@ -28,13 +29,7 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, V
 
 /// Returns false if a point of the chunk has no cell.
 bool RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
-  const CellInput in{cloud_.x.data() + first,
-                     cloud_.y.data() + first,
-                     cloud_.z.data() + first,
-                     cloud_.view.kind == ViewKind::kCamera,
-                     mapping_.cells_per_meter,
-                     mapping_.units_per_meter,
-                     selection_.all() ? nullptr : &selection_.limits()};
+  const CellInput in = cell_input(cloud_, selection_, mapping_, first);
   const std::size_t valid = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
   if (valid < count) part_.first_invalid = first + valid;
   return valid == count;

@@ -10,7 +10,6 @@ class CoreBackend final : public SegmentationBackend {
                                        const Admission& admit) override {
     return segmenter_.segment(cloud, options, stop, admit);
   }
-  void free_buffers() override { segmenter_.free_buffers(); }
 
  private:
   Segmenter segmenter_;

@@ -18,8 +18,6 @@ class SegmentationBackend {
   /// See segserve::Segmenter::segment. May throw.
   virtual absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop,
                                                const Admission& admit) = 0;
-  /// Gives memory that is kept from frame to frame back.
-  virtual void free_buffers() {}
 };
 
 using BackendFactory = std::function<std::unique_ptr<SegmentationBackend>()>;

@@ -7,7 +7,6 @@
 #include "proto/wire/status_message.hpp"
 #include "segserve/v1/stream.pb.h"
 #include "server/frames/catch_exceptions.hpp"
-#include "spdlog/spdlog.h"
 
 namespace segserve::server {
 

@@ -61,7 +61,7 @@ void append_number(std::string& out, float value);
 /// is not printable ASCII.
 std::string quoted(std::string_view word);
 
-/// The same bytes as text.
+/// Views bytes as text.
 inline std::string_view as_text(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }

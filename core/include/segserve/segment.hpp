@@ -98,8 +98,6 @@ class Segmenter {
   /// memory is allocated.
   absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {},
                                        const Admission& admit = nullptr);
-  /// Gives the memory of all buffers back, as if no cloud had been segmented yet.
-  void free_buffers();
 
  private:
   struct Workspace;

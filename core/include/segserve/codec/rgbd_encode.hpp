@@ -26,7 +26,7 @@ struct RgbdFiles {
   Intrinsics intrinsics;
   double error_bound = 0;  ///< meters: no decoded coordinate is farther than this from the one that was encoded
 
-  /// The same images for decode_rgbd. The result is valid as long as this object is.
+  /// Views the images as decode_rgbd takes them. The result is valid as long as this object is.
   RgbdImages images() const { return {depth, color, depth_scale, intrinsics}; }
 };
 
