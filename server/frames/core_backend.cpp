@@ -11,6 +11,8 @@ class CoreBackend final : public SegmentationBackend {
     return segmenter_.segment(cloud, options, stop, admit);
   }
 
+  void free_buffers() override { segmenter_ = Segmenter(); }
+
  private:
   Segmenter segmenter_;
 };

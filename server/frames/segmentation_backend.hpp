@@ -18,6 +18,9 @@ class SegmentationBackend {
   /// See segserve::Segmenter::segment. May throw.
   virtual absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop,
                                                const Admission& admit) = 0;
+
+  /// Gives up the buffers that are kept for the next cloud.
+  virtual void free_buffers() {}
 };
 
 using BackendFactory = std::function<std::unique_ptr<SegmentationBackend>()>;

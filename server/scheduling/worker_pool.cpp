@@ -6,7 +6,8 @@
 
 namespace segserve::server {
 
-WorkerPool::WorkerPool(std::size_t workers, const QueueBounds& bounds) : queue_(bounds) {
+WorkerPool::WorkerPool(std::size_t workers, const QueueBounds& bounds, std::optional<WhenIdle> when_idle)
+    : when_idle_(std::move(when_idle)), queue_(bounds) {
   threads_.reserve(workers);
   for (std::size_t worker = 0; worker < workers; ++worker) {
     threads_.emplace_back([this, worker] { run(worker); });
@@ -50,6 +51,11 @@ QueueBounds WorkerPool::held() const {
   return queue_.held();
 }
 
+std::chrono::nanoseconds WorkerPool::expected_time(const std::string& client, std::uint64_t points) const {
+  const MutexLock lock(mutex_);
+  return queue_.expected_time(client, points);
+}
+
 std::chrono::milliseconds WorkerPool::retry_delay() const {
   using std::chrono::milliseconds;
   const MutexLock lock(mutex_);
@@ -58,20 +64,45 @@ std::chrono::milliseconds WorkerPool::retry_delay() const {
 }
 
 void WorkerPool::run(std::size_t worker) {
-  while (std::optional<FairQueue::Started> started = wait_for_job()) {
-    const auto begin = std::chrono::steady_clock::now();
-    started->job.run(worker);
-    started->job = {};  // frees what the job keeps before its place is free
-    const auto took = std::chrono::steady_clock::now() - begin;
-    const MutexLock lock(mutex_);
-    queue_.finish(started->ticket, took);
+  using Clock = std::chrono::steady_clock;
+  bool is_idle = true;  // a worker that never had a job keeps nothing that it could give up
+  Clock::time_point last_job;
+  while (true) {
+    const auto idle_at = when_idle_ && !is_idle ? std::optional(last_job + when_idle_->after) : std::nullopt;
+    std::optional<FairQueue::Started> started;
+    switch (wait_for_turn(idle_at, started)) {
+      case Turn::kEnd:
+        return;
+      case Turn::kIdle:
+        is_idle = true;
+        when_idle_->run(worker);
+        break;
+      case Turn::kJob: {
+        const auto begin = Clock::now();
+        started->job.run(worker);
+        started->job = {};  // frees what the job keeps before its place is free
+        last_job = Clock::now();
+        is_idle = false;
+        const MutexLock lock(mutex_);
+        queue_.finish(started->ticket, last_job - begin);
+        break;
+      }
+    }
   }
 }
 
-std::optional<FairQueue::Started> WorkerPool::wait_for_job() {
+WorkerPool::Turn WorkerPool::wait_for_turn(std::optional<std::chrono::steady_clock::time_point> idle_at,
+                                           std::optional<FairQueue::Started>& job) {
   const MutexLock lock(mutex_);
-  while (!stopping_ && queue_.waiting() == 0) work_or_stop_.wait(mutex_);
-  return queue_.start_next();
+  while (!stopping_ && queue_.waiting() == 0) {
+    if (!idle_at) {
+      work_or_stop_.wait(mutex_);
+    } else if (!work_or_stop_.wait_until(mutex_, *idle_at)) {
+      return Turn::kIdle;
+    }
+  }
+  job = queue_.start_next();
+  return job ? Turn::kJob : Turn::kEnd;
 }
 
 }  // namespace segserve::server

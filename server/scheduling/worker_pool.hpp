@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <thread>
 #include <variant>
@@ -21,8 +22,14 @@ class WorkerPool {
  public:
   using Ticket = FairQueue::Ticket;
 
+  /// What a worker does, on its own thread, once it has had no job for a while. Must not throw.
+  struct WhenIdle {
+    std::chrono::milliseconds after;
+    std::function<void(std::size_t worker)> run;
+  };
+
   /// At most `workers` (at least 1) jobs run at the same time. `bounds` hold for waiting and running jobs together.
-  WorkerPool(std::size_t workers, const QueueBounds& bounds);
+  WorkerPool(std::size_t workers, const QueueBounds& bounds, std::optional<WhenIdle> when_idle = std::nullopt);
   /// Runs all waiting jobs to their end.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -41,15 +48,21 @@ class WorkerPool {
   std::size_t queued() const;
   /// What waiting and running jobs hold together.
   QueueBounds held() const;
+  /// See FairQueue::expected_time.
+  std::chrono::nanoseconds expected_time(const std::string& client, std::uint64_t points) const;
   /// How long a caller should wait before it tries again: until the workers have finished the present jobs, judged by
   /// the points of these and the speed of earlier ones; 20 ms to 10 s.
   std::chrono::milliseconds retry_delay() const;
 
  private:
-  void run(std::size_t worker);
-  /// nullopt if the thread shall end.
-  std::optional<FairQueue::Started> wait_for_job();
+  enum class Turn { kJob, kIdle, kEnd };
 
+  void run(std::size_t worker);
+  /// kIdle at the deadline, if there is one.
+  Turn wait_for_turn(std::optional<std::chrono::steady_clock::time_point> idle_at,
+                     std::optional<FairQueue::Started>& job);
+
+  const std::optional<WhenIdle> when_idle_;
   mutable Mutex mutex_;
   CondVar work_or_stop_;
   FairQueue queue_ ABSL_GUARDED_BY(mutex_);

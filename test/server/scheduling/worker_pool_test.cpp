@@ -5,6 +5,7 @@
 #include <future>
 #include <mutex>
 #include <set>
+#include <thread>
 
 #include "gmock/gmock.h"
 
@@ -168,6 +169,19 @@ TEST(WorkerPool, EveryJobEndsOnceWhateverThreadsDo) {
   }
   EXPECT_EQ(taken, ran + evicted + withdrawn);
   EXPECT_GT(ran, 0);
+}
+
+TEST(WorkerPool, AWorkerThatHasHadNoJobForAWhileSaysSoOnce) {
+  std::atomic<int> idle{0};
+  WorkerPool pool(2, at_most(2), WorkerPool::WhenIdle{20ms, [&idle](std::size_t) { ++idle; }});
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(idle, 0) << "it keeps nothing before its first job";
+  for (int jobs = 1; jobs <= 2; ++jobs) {
+    EXPECT_TRUE(submit(pool, [](std::size_t) {}));
+    for (int i = 0; i < 1000 && idle < jobs; ++i) std::this_thread::sleep_for(10ms);
+    std::this_thread::sleep_for(100ms);
+    EXPECT_EQ(idle, jobs);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/memory/memory_return.hpp"
+
+#include <malloc.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "spdlog/spdlog.h"
+
+namespace segserve::server {
+namespace {
+
+constexpr std::chrono::seconds kBetweenLooks{5};
+constexpr std::uint64_t kIdleLooks = 2;
+constexpr std::uint64_t kWorthwhile = std::uint64_t{8} << 20U;
+
+}  // namespace
+
+void MemoryReturn::on_tick(Time now) {
+  if (now < next_look_) return;
+  next_look_ = now + kBetweenLooks;
+  idle_looks_ = ledger_.leased() == 0 ? idle_looks_ + 1 : 0;
+  if (idle_looks_ < kIdleLooks) return;
+  const std::uint64_t before = resident_memory();
+  if (before < least_resident_ + kWorthwhile) return;
+  malloc_trim(0);
+  least_resident_ = resident_memory();
+  spdlog::debug("gave {} MiB of memory back to the system", (before - std::min(before, least_resident_)) >> 20U);
+}
+
+std::uint64_t resident_memory() {
+  std::ifstream statm("/proc/self/statm");  // SIZE RESIDENT .., in pages
+  std::uint64_t size = 0, resident = 0;
+  statm >> size >> resident;
+  return resident * static_cast<std::uint64_t>(std::max(0L, sysconf(_SC_PAGESIZE)));
+}
+
+}  // namespace segserve::server
