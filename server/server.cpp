@@ -2,6 +2,7 @@
 #include "server/server.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <thread>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "grpcpp/resource_quota.h"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
+#include "server/listener/listener_probe.hpp"
 #include "server/memory/memory_ledger.hpp"
 #include "server/options/listen_address.hpp"
 #include "server/rpc/segmentation_service.hpp"
@@ -32,6 +34,13 @@ constexpr std::chrono::milliseconds kAbortTime{500};
 constexpr int kConnectionIdleMs = 600'000;
 // All headers of a call.
 constexpr int kMetadataBytes = 16 * 1024;
+
+/// gRPC would take a unix socket away from the process that serves on it.
+bool is_served(const ListenAddress& address) {
+  constexpr std::chrono::seconds kPatience{1};
+  const Listener found = probe_listener(address, 0, kPatience);
+  return found == Listener::kAnswers || found == Listener::kSilent;
+}
 
 class GrpcServer final : public Server {
  public:
@@ -57,11 +66,14 @@ class GrpcServer final : public Server {
 };
 
 absl::Status GrpcServer::listen(const ListenAddress& address) {
+  const std::string wanted = address.is_unix ? with_port(address, 0) : with_port(address, std::stoi(address.port));
+  if (address.is_unix && is_served(address)) {
+    return absl::UnavailableError(fmt::format("cannot listen on {}: another process serves there", wanted));
+  }
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ResourceQuota quota("segserve");
   quota.Resize(kTransportMemoryBytes);
-  const std::string wanted = address.is_unix ? with_port(address, 0) : with_port(address, std::stoi(address.port));
 
   grpc::ServerBuilder builder;
   builder.SetResourceQuota(quota);

@@ -22,7 +22,7 @@ constexpr const char* kExamples = R"(Examples:
 
 SIGTERM and SIGINT stop the server: health turns NOT_SERVING, new calls are refused, calls in flight finish within
 the grace period. Exit codes: 0 stopped by a signal, 1 cannot serve, 2 wrong flags,
-3 a call kept the server from stopping in time.)";
+3 a call kept the server from stopping in time, 4 it stopped because it accepted no connections any more.)";
 
 const std::map<std::string, spdlog::level::level_enum> kLogLevels = {
     {"debug", spdlog::level::debug}, {"info", spdlog::level::info}, {"warn", spdlog::level::warn},
@@ -85,6 +85,9 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   add_seconds(app, "--grace-period", "Seconds that calls in flight have when the server stops", server.grace_period);
   add_seconds(app, "--drain-delay", "Seconds for which a stopping server still refuses calls before it closes",
               server.drain_delay);
+  add_seconds(app, "--listener-check",
+              "Seconds between connections of the server to itself; after three without an answer it stops; 0: never",
+              flags.listener_check);
   app.add_option("--log-level", flags.log_level, "debug (one line a call), info, warn, error or off")
       ->transform(CLI::CheckedTransformer(kLogLevels, CLI::ignore_case).description(""))
       ->type_name("LEVEL")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <variant>
 
@@ -13,7 +14,8 @@ namespace segserve::server {
 struct Flags {
   ServerOptions server;
   spdlog::level::level_enum log_level = spdlog::level::info;
-  std::string port_file;  ///< empty: write none
+  std::string port_file;                             ///< empty: write none
+  std::chrono::milliseconds listener_check{10'000};  ///< between connections of the server to itself; 0: never
 };
 
 /// Reads the flags. Returns an exit code instead if there is nothing to serve: 0 after --help or --version, 2 after

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <malloc.h>
 #include <pthread.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <memory>
 #include <string>
 #include <system_error>
@@ -17,6 +20,9 @@
 #include "fmt/format.h"
 #include "grpc/support/log.h"
 #include "server/app/flags.hpp"
+#include "server/listener/file_descriptors.hpp"
+#include "server/listener/listener_watch.hpp"
+#include "server/options/listen_address.hpp"
 #include "server/server.hpp"
 #include "server/version.hpp"
 #include "spdlog/sinks/stdout_color_sinks.h"
@@ -25,6 +31,7 @@
 namespace {
 
 constexpr int kNotStoppedInTime = 3;
+constexpr int kDeaf = 4;
 // What stopping may take beyond the grace period.
 constexpr std::chrono::milliseconds kStopTime{1800};
 
@@ -73,6 +80,15 @@ void end_process_after(std::chrono::milliseconds time) {
   }).detach();
 }
 
+/// Null if the flags do not want a watch.
+std::unique_ptr<segserve::server::ListenerWatch> watch_listener(const segserve::server::Flags& flags, int port,
+                                                                std::function<void()> on_deaf) {
+  auto address = segserve::server::parse_listen_address(flags.server.listen);
+  if (flags.listener_check == std::chrono::milliseconds(0) || !address.ok()) return nullptr;
+  return std::make_unique<segserve::server::ListenerWatch>(*std::move(address), port, flags.listener_check,
+                                                           std::move(on_deaf));
+}
+
 int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
   absl::StatusOr<std::unique_ptr<segserve::server::Server>> server = segserve::server::Server::start(flags.server);
   if (!server.ok()) {
@@ -85,13 +101,21 @@ int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
   }
   spdlog::info("segserve {} serves on {}", segserve::server::kVersion, (*server)->address());
 
+  std::atomic<bool> is_deaf{false};
   int signal = 0;
-  sigwait(&stop_signals, &signal);
+  {
+    const auto watch = watch_listener(flags, (*server)->port(), [&is_deaf] {
+      is_deaf = true;
+      kill(getpid(), SIGTERM);
+    });
+    sigwait(&stop_signals, &signal);
+  }
+  if (is_deaf) spdlog::critical("the server accepts no connections any more; another process has to take over");
   spdlog::info("{}: stopping, {} calls in flight", sigabbrev_np(signal), (*server)->calls());
   end_process_after(flags.server.grace_period + kStopTime);
   (*server)->stop();
   spdlog::info("stopped");
-  return 0;
+  return is_deaf ? kDeaf : 0;
 }
 
 }  // namespace
@@ -99,6 +123,7 @@ int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
 int main(int argc, char** argv) {
   const sigset_t stop_signals = block_stop_signals();
   tune_malloc();
+  segserve::server::raise_file_descriptor_limit();
   const auto flags = segserve::server::parse_flags(argc, argv);
   if (const int* exit_code = std::get_if<int>(&flags)) return *exit_code;
   start_logging(std::get<segserve::server::Flags>(flags).log_level);

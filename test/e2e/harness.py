@@ -29,10 +29,12 @@ def segctl(*arguments, stdin=b"", environment=None):
 class Server:
     """A server process on a free loopback port."""
 
-    def __init__(self, folder, *flags):
+    def __init__(self, folder, *flags, before=None):
+        """`before` is called in the new process before it becomes the server, for example to set limits."""
         port_file = pathlib.Path(folder) / f"port-{time.monotonic_ns()}"
         self.process = subprocess.Popen(
-            [SEGSERVE, "--listen", "127.0.0.1:0", "--port-file", str(port_file), "--log-level", "error", *flags])
+            [SEGSERVE, "--listen", "127.0.0.1:0", "--port-file", str(port_file), "--log-level", "error", *flags],
+            preexec_fn=before)
         deadline = time.monotonic() + 60
         while not (port_file.exists() and port_file.read_text().strip()):
             if self.process.poll() is not None or time.monotonic() > deadline:

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "server/listener/file_descriptors.hpp"
+
+#include <sys/resource.h>
+
+#include <filesystem>
+#include <iterator>
+#include <system_error>
+
+namespace segserve::server {
+
+FileDescriptors file_descriptors() {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  std::error_code error;
+  const std::filesystem::directory_iterator files("/proc/self/fd", error);
+  if (error) return {.open = limit.rlim_cur, .most = limit.rlim_cur};  // none is left even for that
+  return {.open = static_cast<std::uint64_t>(std::distance(begin(files), end(files))), .most = limit.rlim_cur};
+}
+
+void raise_file_descriptor_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+}  // namespace segserve::server
