@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -41,24 +42,25 @@ absl::Status in_use_by_others() {
 
 }  // namespace
 
+absl::Status FrameMemory::check_budget(std::uint64_t bytes) const {
+  if (bytes <= ledger_->budget()) return absl::OkStatus();
+  return never_fits("the bytes of memory that the frame needs are", "memory_bytes", ledger_->budget(), bytes, 0);
+}
+
 absl::Status FrameMemory::need(std::uint64_t bytes) {
   if (ledger_ == nullptr) return absl::OkStatus();
-  if (bytes > ledger_->budget()) {
-    return never_fits("the bytes of memory that the frame needs are", "memory_bytes", ledger_->budget(), bytes, 0);
-  }
-  if (lease_.resize(bytes)) return absl::OkStatus();
-  if (lease_.bytes() == 0) {
-    if (auto lease = ledger_->lease(bytes)) {
-      lease_ = *std::move(lease);
-      return absl::OkStatus();
-    }
-  }
-  return in_use_by_others();
+  RETURN_IF_ERROR(check_budget(bytes));
+  return lease_.resize(bytes) ? absl::OkStatus() : in_use_by_others();
 }
 
 absl::Status FrameMemory::receive(std::uint64_t bytes) {
   payload_bytes_ = bytes;
-  return need(bytes);
+  if (ledger_ == nullptr) return absl::OkStatus();
+  RETURN_IF_ERROR(check_budget(bytes));
+  std::optional<MemoryLease> lease = ledger_->lease(client_, bytes);
+  if (!lease) return in_use_by_others();
+  lease_ = *std::move(lease);
+  return absl::OkStatus();
 }
 
 absl::Status FrameMemory::decode(std::uint64_t points, std::uint64_t scratch_bytes) {

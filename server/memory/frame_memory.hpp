@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "segserve/segment.hpp"
@@ -19,7 +21,8 @@ class FrameMemory {
  public:
   /// Holds nothing, and has no ledger.
   FrameMemory() = default;
-  FrameMemory(MemoryLedger& ledger, std::uint64_t max_voxels) : ledger_(&ledger), max_voxels_(max_voxels) {}
+  FrameMemory(MemoryLedger& ledger, std::string client, std::uint64_t max_voxels)
+      : ledger_(&ledger), client_(std::move(client)), max_voxels_(max_voxels) {}
 
   /// A payload of so many bytes comes, and is kept until the result is there.
   absl::Status receive(std::uint64_t bytes);
@@ -35,9 +38,11 @@ class FrameMemory {
   std::uint64_t bytes() const { return lease_.bytes(); }
 
  private:
+  absl::Status check_budget(std::uint64_t bytes) const;
   absl::Status need(std::uint64_t bytes);
 
   MemoryLedger* ledger_ = nullptr;
+  std::string client_;
   std::uint64_t max_voxels_ = 0;
   MemoryLease lease_;
   std::uint64_t payload_bytes_ = 0;

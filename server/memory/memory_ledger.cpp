@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -12,6 +13,8 @@
 namespace segserve::server {
 namespace {
 
+// How long a client that was refused counts as one that waits. Refusals tell it to come again earlier than that.
+constexpr std::chrono::seconds kRefusedFor{5};
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 /// The number in a file such as memory.max; kUnlimited if there is none.
@@ -48,29 +51,44 @@ std::uint64_t cgroup_limit() {
 
 }  // namespace
 
+MemoryLease::MemoryLease(MemoryLease&& other) noexcept { *this = std::move(other); }
+
 MemoryLease& MemoryLease::operator=(MemoryLease&& other) noexcept {
   if (this != &other) {
     release();
     ledger_ = std::exchange(other.ledger_, nullptr);
+    client_ = other.client_;
     bytes_ = other.bytes_;
+    waits_ = other.waits_;
   }
   return *this;
 }
 
-bool MemoryLease::resize(std::uint64_t bytes) {
-  if (ledger_ == nullptr || !ledger_->change(bytes_, bytes)) return false;
-  bytes_ = bytes;
-  return true;
-}
+bool MemoryLease::resize(std::uint64_t bytes) { return ledger_ != nullptr && ledger_->resize(*this, bytes); }
 
 void MemoryLease::release() {
-  if (ledger_ != nullptr) ledger_->change(bytes_, 0);
+  if (ledger_ != nullptr) ledger_->release(*this);
   ledger_ = nullptr;
 }
 
-std::optional<MemoryLease> MemoryLedger::lease(std::uint64_t bytes) {
-  if (!change(0, bytes)) return std::nullopt;
-  return MemoryLease(*this, bytes);
+std::optional<MemoryLease> MemoryLedger::lease(const std::string& client, std::uint64_t bytes) {
+  const Time now = now_();
+  const MutexLock lock(mutex_);
+  forget_clients(now);
+  const auto entry = clients_.try_emplace(client).first;
+  if (!has_room_for(entry->second, bytes)) {
+    entry->second.refused_until = now + kRefusedFor;
+    return std::nullopt;
+  }
+  entry->second.bytes += bytes;
+  ++entry->second.leases;
+  leased_ += bytes;
+  waiting_ += bytes;
+  MemoryLease lease;
+  lease.ledger_ = this;
+  lease.client_ = &entry->first;
+  lease.bytes_ = bytes;
+  return lease;
 }
 
 std::uint64_t MemoryLedger::leased() const {
@@ -78,12 +96,41 @@ std::uint64_t MemoryLedger::leased() const {
   return leased_;
 }
 
-bool MemoryLedger::change(std::uint64_t before, std::uint64_t after) {
+bool MemoryLedger::has_room_for(const Client& client, std::uint64_t bytes) const {
+  if (bytes > budget_ - leased_) return false;
+  if (waiting_ > 0 && bytes > budget_ / 2 - std::min(budget_ / 2, waiting_)) return false;
+  const bool others_were_refused = std::ranges::any_of(clients_, [&client](const Clients::value_type& entry) {
+    return &entry.second != &client && entry.second.refused_until > Time();
+  });
+  return !others_were_refused || client.bytes + bytes <= budget_ / clients_.size();
+}
+
+void MemoryLedger::forget_clients(Time now) {
+  for (auto& [name, client] : clients_) {
+    if (client.refused_until <= now) client.refused_until = Time();
+  }
+  std::erase_if(clients_, [](const Clients::value_type& entry) {
+    return entry.second.leases == 0 && entry.second.refused_until == Time();
+  });
+}
+
+bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
   const MutexLock lock(mutex_);
-  const std::uint64_t others = leased_ - before;
-  if (after > before && (others > budget_ || after > budget_ - others)) return false;
-  leased_ = others + after;
+  if (bytes > lease.bytes_ && bytes - lease.bytes_ > budget_ - leased_) return false;
+  if (std::exchange(lease.waits_, false)) waiting_ -= lease.bytes_;
+  leased_ += bytes - lease.bytes_;
+  clients_.find(*lease.client_)->second.bytes += bytes - lease.bytes_;
+  lease.bytes_ = bytes;
   return true;
+}
+
+void MemoryLedger::release(const MemoryLease& lease) {
+  const MutexLock lock(mutex_);
+  leased_ -= lease.bytes_;
+  if (lease.waits_) waiting_ -= lease.bytes_;
+  const auto client = clients_.find(*lease.client_);
+  client->second.bytes -= lease.bytes_;
+  if (--client->second.leases == 0 && client->second.refused_until == Time()) clients_.erase(client);
 }
 
 std::uint64_t available_memory() {

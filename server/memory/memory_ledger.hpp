@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
@@ -17,44 +22,66 @@ class MemoryLedger;
 class MemoryLease {
  public:
   MemoryLease() = default;
-  MemoryLease(MemoryLease&& other) noexcept : ledger_(std::exchange(other.ledger_, nullptr)), bytes_(other.bytes_) {}
+  MemoryLease(MemoryLease&& other) noexcept;
   MemoryLease& operator=(MemoryLease&& other) noexcept;
   ~MemoryLease() { release(); }
 
   std::uint64_t bytes() const { return ledger_ == nullptr ? 0 : bytes_; }
-  /// Changes the number of bytes. A lease can always shrink. Returns false, and changes nothing, if it cannot grow.
+  /// Changes the number of bytes, for something that does not wait any more. A lease can always shrink. Returns false,
+  /// and changes nothing, if it cannot grow.
   bool resize(std::uint64_t bytes);
   void release();
 
  private:
   friend class MemoryLedger;
-  MemoryLease(MemoryLedger& ledger, std::uint64_t bytes) : ledger_(&ledger), bytes_(bytes) {}
 
   MemoryLedger* ledger_ = nullptr;
+  const std::string* client_ = nullptr;  // the ledger's
   std::uint64_t bytes_ = 0;
+  bool waits_ = true;
 };
 
 /// The memory that a server may use for its clients, and how much of it is leased: payloads as received, decoded
 /// clouds, the workspace of segmentation, and results until they are read. Memory is leased before it is allocated.
 /// Thread-safe.
+///
+/// Two rules keep it useful for everybody. What only waits gets at most half of the budget, so that what is computed
+/// finds room. And for some seconds after a client got nothing, clients that hold more than their share get nothing
+/// more; a share is the budget divided by the number of clients that hold something or were refused lately.
 class MemoryLedger {
  public:
-  explicit MemoryLedger(std::uint64_t budget) : budget_(budget) {}
+  using Time = std::chrono::steady_clock::time_point;
 
-  /// nullopt if so many bytes are not free.
-  std::optional<MemoryLease> lease(std::uint64_t bytes);
+  explicit MemoryLedger(std::uint64_t budget, std::function<Time()> now = std::chrono::steady_clock::now)
+      : budget_(budget), now_(std::move(now)) {}
+
+  /// Memory for something of this client that waits for its turn. nullopt if so many bytes are not free for it.
+  std::optional<MemoryLease> lease(const std::string& client, std::uint64_t bytes);
 
   std::uint64_t budget() const { return budget_; }
   std::uint64_t leased() const;
 
  private:
   friend class MemoryLease;
-  /// Leases `after` bytes instead of `before`. False, without any change, if they are not free.
-  bool change(std::uint64_t before, std::uint64_t after);
+
+  struct Client {
+    std::uint64_t bytes = 0;
+    std::size_t leases = 0;
+    Time refused_until{};  // it may come again, so that others must not take more than their share until then
+  };
+  using Clients = std::map<std::string, Client>;
+
+  bool has_room_for(const Client& client, std::uint64_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void forget_clients(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool resize(MemoryLease& lease, std::uint64_t bytes);
+  void release(const MemoryLease& lease);
 
   const std::uint64_t budget_;
+  const std::function<Time()> now_;
   mutable Mutex mutex_;
   std::uint64_t leased_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::uint64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // the part of it that is leased for what waits
+  Clients clients_ ABSL_GUARDED_BY(mutex_);
 };
 
 /// The memory that this process may use, bytes: the least of the limits of its cgroups, and of the machine's memory.

@@ -11,7 +11,9 @@
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
 #include "server/frames/catch_exceptions.hpp"
+#include "server/frames/final_status.hpp"
 #include "server/frames/frame_computation.hpp"
+#include "server/scheduling/client_address.hpp"
 #include "server/scheduling/refusals.hpp"
 #include "spdlog/spdlog.h"
 
@@ -48,7 +50,7 @@ SegmentCall::SegmentCall(SegmentationService& service, grpc::CallbackServerConte
     : service_(service),
       context_(context),
       canceler_(context),
-      memory_(service.ledger_, service.max_voxels_),
+      memory_(service.ledger_, client_address(context.peer()), service.max_voxels_),
       response_(response),
       arrival_(Clock::now()),
       deadline_(steady_deadline(context)) {}
@@ -76,7 +78,8 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
   // All calls on one connection count as one client's: many programs share an address, and names can be made up.
   JobInfo info{.client = context_.peer(), .points = settings.estimated_points, .bytes = bytes};
   Job job{.run = [this, settings = std::move(settings)](std::size_t worker) { run(worker, settings); },
-          .evicted = [this] { finish(evicted_from_queue(service_.pool_.retry_delay())); }};
+          .evicted =
+              [this] { finish(catch_exceptions([&] { return evicted_from_queue(service_.pool_.retry_delay()); })); }};
   const auto submitted = service_.pool_.submit(std::move(info), std::move(job));
   if (const Refusal* refusal = std::get_if<Refusal>(&submitted)) {
     return queue_full(*refusal, service_.pool_.retry_delay());
@@ -88,6 +91,10 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
 
 void SegmentCall::run(std::size_t worker, const FrameSettings& settings) {
   finish(catch_exceptions([&]() -> absl::Status {
+    if (deadline_ &&
+        Clock::now() + service_.pool_.expected_time(context_.peer(), settings.estimated_points) > *deadline_) {
+      return absl::DeadlineExceededError("the call waited for a worker until too little time was left to compute it");
+    }
     ASSIGN_OR_RETURN(v1::SegmentationResult result,
                      compute_frame(request_.cloud(), settings, cancelled_, *service_.backends_[worker], memory_));
     return answer(std::move(result));
@@ -109,15 +116,17 @@ absl::Status SegmentCall::answer(v1::SegmentationResult result) {
 
 void SegmentCall::OnCancel() {
   cancelled_ = true;
-  withdraw(deadline_ && Clock::now() >= *deadline_
+  withdraw(catch_exceptions([&] {
+    return deadline_ && Clock::now() >= *deadline_
                ? absl::DeadlineExceededError("the deadline passed while the call waited for a worker")
-               : absl::CancelledError("cancelled while the call waited for a worker"));
+               : absl::CancelledError("cancelled while the call waited for a worker");
+  }));
 }
 
 void SegmentCall::abort() {
   aborted_ = true;
   cancelled_ = true;
-  withdraw(draining());
+  withdraw(catch_exceptions(draining));
 }
 
 void SegmentCall::withdraw(const absl::Status& status) {
@@ -125,10 +134,13 @@ void SegmentCall::withdraw(const absl::Status& status) {
 }
 
 void SegmentCall::finish(const absl::Status& status) {
-  const absl::Status told = aborted_ && !status.ok() ? draining() : status;
-  log_call(context_, request_.request_id(), summary_, told);
+  const absl::Status told = catch_exceptions([&] {
+    absl::Status final = aborted_ && !status.ok() ? draining() : status;
+    log_call(context_, request_.request_id(), summary_, final);
+    return final;
+  });
   finished_at_ = Clock::now();
-  Finish(wire::to_grpc(told));  // from here on `this` may be gone
+  Finish(final_status(told));  // from here on `this` may be gone
 }
 
 void SegmentCall::on_tick(Time now) {

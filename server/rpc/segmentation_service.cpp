@@ -5,9 +5,11 @@
 
 #include "fmt/format.h"
 #include "proto/wire/byte_run.hpp"
-#include "proto/wire/status_message.hpp"
+#include "server/frames/catch_exceptions.hpp"
+#include "server/frames/final_status.hpp"
 #include "server/rpc/segment_call.hpp"
 #include "server/rpc/server_info.hpp"
+#include "server/scheduling/client_address.hpp"
 #include "server/scheduling/refusals.hpp"
 #include "server/stream/pool_frame_executor.hpp"
 #include "server/stream/session_transport.hpp"
@@ -18,6 +20,8 @@ namespace {
 
 constexpr std::uint64_t kDefaultBytesPerStream = std::uint64_t{32} << 20U;
 constexpr std::chrono::milliseconds kTick{50};
+// A worker without frames for so long gives up its buffers.
+constexpr std::chrono::seconds kIdleWorker{10};
 
 std::vector<std::unique_ptr<SegmentationBackend>> make_backends(std::size_t count, const BackendFactory& make) {
   std::vector<std::unique_ptr<SegmentationBackend>> backends(count);
@@ -46,7 +50,7 @@ StreamSettings stream_settings(const ServerOptions& options, const FrameResolver
 /// A stream that is refused at once.
 class RefusedStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
-  explicit RefusedStream(const absl::Status& why) { Finish(wire::to_grpc(why)); }
+  explicit RefusedStream(const absl::Status& why) { Finish(final_status(why)); }
   void OnDone() override { delete this; }
 };
 
@@ -54,14 +58,28 @@ class RefusedStream final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grp
 
 SegmentationService::SegmentationService(const ServerOptions& options, const BackendFactory& make_backend)
     : ledger_(options.memory),
+      memory_return_(ledger_),
       max_voxels_(options.max_voxels),
       resolver_(options),
       info_(server_info(options, options.workers)),
       stream_settings_(stream_settings(options, resolver_, ledger_, info_)),
       backends_(make_backends(options.workers, make_backend)),
       pool_(options.workers,
-            {.jobs = options.workers + options.queue, .bytes = options.queue_bytes, .points = options.queue_points}),
-      sessions_(kTick, [this] { unary_calls_.on_tick(std::chrono::steady_clock::now()); }) {}
+            {.jobs = options.workers + options.queue, .bytes = options.queue_bytes, .points = options.queue_points},
+            WorkerPool::WhenIdle{kIdleWorker, [this](std::size_t worker) { free_buffers(worker); }}),
+      sessions_(kTick, [this] {
+        const auto now = std::chrono::steady_clock::now();
+        unary_calls_.on_tick(now);
+        memory_return_.on_tick(now);
+      }) {}
+
+void SegmentationService::free_buffers(std::size_t worker) {
+  const absl::Status status = catch_exceptions([&] {
+    backends_[worker]->free_buffers();
+    return absl::OkStatus();
+  });
+  status.IgnoreError();  // it is in the log, and the buffers stay
+}
 
 void SegmentationService::start_draining() {
   calls_.close();
@@ -78,25 +96,42 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
   if (!calls_.admit()) {
     spdlog::debug("Segment from {}: refused, the server is draining", context->peer());
     grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
-    reactor->Finish(wire::to_grpc(draining()));
+    reactor->Finish(final_status(draining()));
     return reactor;
   }
-  const auto call = std::make_shared<SegmentCall>(*this, *context, *response);
-  unary_calls_.add(call);
+  const auto call = catch_exceptions([&]() -> absl::StatusOr<std::shared_ptr<SegmentCall>> {
+    auto admitted = std::make_shared<SegmentCall>(*this, *context, *response);
+    unary_calls_.add(admitted);
+    return admitted;
+  });
+  if (!call.ok()) {
+    calls_.release();
+    grpc::ServerUnaryReactor* reactor = context->DefaultReactor();
+    reactor->Finish(final_status(call.status()));
+    return reactor;
+  }
   // Nobody else uses the request's bytes. Parsing frees them, so that they are not in memory twice.
-  call->start(const_cast<grpc::ByteBuffer&>(*request));  // from now on it owns itself
-  return call.get();
+  (*call)->start(const_cast<grpc::ByteBuffer&>(*request));  // from now on it owns itself
+  return call->get();
 }
 
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SegmentationService::SegmentStream(
     grpc::CallbackServerContext* context) {
   if (!calls_.admit()) return new RefusedStream(draining());  // deletes itself
-  // Each stream counts as a client, whether or not streams share a connection.
-  auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_,
-                                                      fmt::format("{} stream {}", context->peer(), ++streams_so_far_));
-  const auto transport = std::make_shared<SessionTransport>(*context, calls_, sessions_, std::move(executor));
-  transport->start(stream_settings_);  // from now on it owns itself
-  return transport.get();
+  const auto transport = catch_exceptions([&]() -> absl::StatusOr<std::shared_ptr<SessionTransport>> {
+    // For the workers each stream counts as a client, whether or not streams share a connection.
+    auto executor = std::make_unique<PoolFrameExecutor>(
+        pool_, backends_, fmt::format("{} stream {}", context->peer(), ++streams_so_far_));
+    auto admitted = std::make_shared<SessionTransport>(*context, calls_, sessions_, std::move(executor));
+    admitted->prepare(stream_settings_, client_address(context->peer()));
+    return admitted;
+  });
+  if (!transport.ok()) {
+    calls_.release();
+    return new RefusedStream(transport.status());  // deletes itself
+  }
+  (*transport)->start();  // from now on it owns itself
+  return transport->get();
 }
 
 grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServerContext* context,

@@ -12,6 +12,7 @@
 #include "server/frames/frame_resolver.hpp"
 #include "server/frames/segmentation_backend.hpp"
 #include "server/memory/memory_ledger.hpp"
+#include "server/memory/memory_return.hpp"
 #include "server/options/server_options.hpp"
 #include "server/rpc/unary_calls.hpp"
 #include "server/scheduling/in_flight_calls.hpp"
@@ -56,7 +57,10 @@ class SegmentationService final : public RawSegmentationService {
  private:
   friend class SegmentCall;
 
+  void free_buffers(std::size_t worker);
+
   MemoryLedger ledger_;
+  MemoryReturn memory_return_;
   const std::uint64_t max_voxels_;
   const FrameResolver resolver_;
   const v1::GetServerInfoResponse info_;

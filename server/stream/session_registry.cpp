@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "absl/status/status.h"
+#include "server/frames/catch_exceptions.hpp"
 #include "server/scheduling/refusals.hpp"
 
 namespace segserve::server {
@@ -53,8 +55,13 @@ SessionRegistry::Sessions SessionRegistry::snapshot() const {
 
 void SessionRegistry::run() {
   while (wait_for_tick()) {
-    for (const auto& session : snapshot()) session->on_tick();
-    if (on_tick_) on_tick_();
+    // Without memory for a tick, the next one does its work.
+    const absl::Status ticked = catch_exceptions([this] {
+      for (const auto& session : snapshot()) session->on_tick();
+      if (on_tick_) on_tick_();
+      return absl::OkStatus();
+    });
+    ticked.IgnoreError();
   }
 }
 

@@ -7,16 +7,20 @@
 #include "proto/wire/status_message.hpp"
 #include "segserve/v1/stream.pb.h"
 #include "server/frames/catch_exceptions.hpp"
+#include "server/frames/final_status.hpp"
 
 namespace segserve::server {
 
-void SessionTransport::start(const StreamSettings& settings) {
-  self_ = shared_from_this();
+void SessionTransport::prepare(const StreamSettings& settings, std::string client) {
   result_timeout_ = settings.result_timeout;
-  session_ = std::make_shared<StreamSession>(settings, *executor_, [weak = weak_from_this()] {
+  session_ = std::make_shared<StreamSession>(settings, std::move(client), *executor_, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->advance();
   });
   registry_.add(session_);
+}
+
+void SessionTransport::start() noexcept {
+  self_ = shared_from_this();
   read();
 }
 
@@ -68,7 +72,7 @@ void SessionTransport::advance() {
         StartWrite(&response_);
       } else if (const auto status = session_->ended()) {
         finished_ = true;
-        Finish(wire::to_grpc(*status));
+        Finish(final_status(*status));
       }
     }
   }
@@ -83,12 +87,15 @@ void SessionTransport::OnWriteDone(bool ok) {
   if (ok) {
     advance();
   } else {
-    session_->on_cancel(absl::CancelledError("the connection broke"));  // wakes this object, which advances
+    end_call("the connection broke");
   }
 }
 
-void SessionTransport::OnCancel() {
-  session_->on_cancel(absl::CancelledError("the client gave up, or its deadline passed"));
+void SessionTransport::OnCancel() { end_call("the client gave up, or its deadline passed"); }
+
+void SessionTransport::end_call(const char* why) {
+  // It wakes this object, which finishes the call.
+  session_->on_cancel(catch_exceptions([why] { return absl::CancelledError(why); }));
 }
 
 void SessionTransport::OnDone() {

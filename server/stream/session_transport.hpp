@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
@@ -29,8 +30,10 @@ class SessionTransport final : public grpc::ServerBidiReactor<grpc::ByteBuffer, 
                    std::unique_ptr<FrameExecutor> executor)
       : canceler_(context), calls_(calls), registry_(registry), executor_(std::move(executor)) {}
 
-  /// Makes the session and begins to read.
-  void start(const StreamSettings& settings);
+  /// Makes the session. It must have returned, and not thrown, before `start`.
+  void prepare(const StreamSettings& settings, std::string client);
+  /// Begins to read.
+  void start() noexcept;
 
   void OnReadDone(bool ok) override;
   void OnWriteDone(bool ok) override;
@@ -39,6 +42,8 @@ class SessionTransport final : public grpc::ServerBidiReactor<grpc::ByteBuffer, 
 
  private:
   void read();
+  /// The client is gone: ends the session as soon as nothing is computed for it any more.
+  void end_call(const char* why);
   /// Writes what there is to write, or ends the call. Ends it also if the client has not read a message for too long.
   void advance();
   /// Serializes the next message of the session into `response_`; false if there is none.

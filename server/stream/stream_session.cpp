@@ -43,33 +43,36 @@ absl::StatusOr<FinishedFrame> compute_outcome(StreamFrame& frame, SegmentationBa
 
 }  // namespace
 
-StreamSession::StreamSession(const StreamSettings& settings, FrameExecutor& executor, std::function<void()> wake)
+StreamSession::StreamSession(const StreamSettings& settings, std::string client, FrameExecutor& executor,
+                             std::function<void()> wake)
     : settings_(settings),
+      client_(std::move(client)),
       wake_(std::move(wake)),
       protocol_(settings.greeting, outbox_),
       scheduler_(executor, outbox_),
       last_message_(settings.now()) {}
 
-void StreamSession::on_message(v1::SegmentStreamRequest& message) {
+template <typename Function>
+void StreamSession::change(Function&& function) {
   {
     const MutexLock lock(mutex_);
-    if (end_) return;
-    last_message_ = settings_.now();
-    const absl::Status status = catch_exceptions([&] {
-      mutex_.assert_held();
-      return handle(message);
-    });
+    const absl::Status status = catch_exceptions(function);
     if (!status.ok()) end_with(status);
   }
   wake_();
 }
 
+void StreamSession::on_message(v1::SegmentStreamRequest& message) {
+  change([&]() -> absl::Status {
+    mutex_.assert_held();
+    if (end_) return absl::OkStatus();
+    last_message_ = settings_.now();
+    return handle(message);
+  });
+}
+
 void StreamSession::on_broken_message(const absl::Status& why) {
-  {
-    const MutexLock lock(mutex_);
-    end_with(protocol_violation(message_of(why)));
-  }
-  wake_();
+  change([&] { return protocol_violation(message_of(why)); });
 }
 
 void StreamSession::end(const absl::Status& status) {
@@ -78,42 +81,37 @@ void StreamSession::end(const absl::Status& status) {
 }
 
 void StreamSession::on_half_close() {
-  {
-    const MutexLock lock(mutex_);
+  change([&] {
+    mutex_.assert_held();
     if (const StreamFramePointer frame = protocol_.half_close()) scheduler_.fail(frame, unfinished_upload(*frame));
-  }
-  wake_();
+    return absl::OkStatus();
+  });
 }
 
 void StreamSession::on_cancel(const absl::Status& why) {
-  {
-    const MutexLock lock(mutex_);
-    end_with(why);
-  }
-  wake_();
+  change([&] { return why; });
 }
 
 void StreamSession::start_draining() {
-  {
-    const MutexLock lock(mutex_);
-    if (draining_) return;
+  change([&] {
+    mutex_.assert_held();
     draining_ = true;
     protocol_.announce_draining();
-  }
-  wake_();
+    return absl::OkStatus();
+  });
 }
 
 void StreamSession::on_tick() {
-  {
-    const MutexLock lock(mutex_);
+  change([&]() -> absl::Status {
+    mutex_.assert_held();
     const StreamFrame::Time now = settings_.now();
     scheduler_.expire(now);
     const UploadPace pace{settings_.upload_timeout, settings_.upload_grace, settings_.least_upload_rate};
     if (const StreamFramePointer frame = protocol_.stalled_upload(now, pace)) scheduler_.fail(frame, stalled());
     if (scheduler_.in_flight() > 0 || !outbox_.empty()) last_message_ = now;
-    if (now - last_message_ >= settings_.idle_timeout) end_with(idle(settings_.idle_timeout));
-  }
-  wake_();
+    if (now - last_message_ >= settings_.idle_timeout) return idle(settings_.idle_timeout);
+    return absl::OkStatus();
+  });
 }
 
 absl::Status StreamSession::handle(v1::SegmentStreamRequest& message) {
@@ -156,7 +154,7 @@ void StreamSession::begin(const StreamFramePointer& frame) {
 
 absl::Status StreamSession::resolve(StreamFrame& frame) {
   ASSIGN_OR_RETURN(frame.settings, settings_.resolver.resolve_frame(frame.header, defaults_, settings_.now()));
-  if (settings_.ledger != nullptr) frame.memory = FrameMemory(*settings_.ledger, settings_.max_voxels);
+  if (settings_.ledger != nullptr) frame.memory = FrameMemory(*settings_.ledger, client_, settings_.max_voxels);
   RETURN_IF_ERROR(frame.memory.receive(frame.header.encoded_bytes()));
   frame.payload = wire::IncomingBytes(wire::payload_block_sizes(frame.header.cloud()));
   return absl::OkStatus();
@@ -169,18 +167,19 @@ void StreamSession::enqueue(const StreamFramePointer& frame) {
 }
 
 void StreamSession::compute(const StreamFramePointer& frame, SegmentationBackend& backend) {
-  {
-    const MutexLock lock(mutex_);
-    if (!scheduler_.start(*frame)) return;
-  }
+  bool starts = false;
+  change([&] {
+    mutex_.assert_held();
+    starts = scheduler_.start(frame, settings_.now());
+    return absl::OkStatus();
+  });
+  if (!starts) return;
   absl::StatusOr<FinishedFrame> computed = catch_exceptions([&] { return compute_outcome(*frame, backend); });
-  FinishedFrame finished =
-      computed.ok() ? *std::move(computed) : outcome_without_result(*frame, v1::OUTCOME_KIND_FAILED, computed.status());
-  {
-    const MutexLock lock(mutex_);
-    scheduler_.complete(frame, std::move(finished), settings_.now());
-  }
-  wake_();
+  change([&] {
+    mutex_.assert_held();
+    scheduler_.complete(frame, std::move(computed), settings_.now());
+    return absl::OkStatus();
+  });
 }
 
 void StreamSession::end_with(const absl::Status& status) {

@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -52,9 +53,10 @@ struct StreamSettings {
 /// lock held.
 class StreamSession : public std::enable_shared_from_this<StreamSession> {
  public:
-  /// Settings and executor must outlive the session's work, which is over after `ended`. Later only jobs that are still
-  /// in the queue may use the session.
-  StreamSession(const StreamSettings& settings, FrameExecutor& executor, std::function<void()> wake);
+  /// `client` is whose memory the frames are. Settings and executor must outlive the session's work, which is over
+  /// after `ended`. Later only jobs that are still in the queue may use the session.
+  StreamSession(const StreamSettings& settings, std::string client, FrameExecutor& executor,
+                std::function<void()> wake);
 
   /// May take parts of the message.
   void on_message(v1::SegmentStreamRequest& message);
@@ -81,6 +83,10 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   std::size_t frames_in_flight() const;
 
  private:
+  /// Runs a function that returns a status, with the lock held, and then wakes the transport. The session ends if the
+  /// status is not OK, or if there is no memory for what the function does.
+  template <typename Function>
+  void change(Function&& function);
   absl::Status handle(v1::SegmentStreamRequest& message) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   absl::Status open(const v1::StreamOpen& message) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void begin(const StreamFramePointer& frame) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
@@ -91,6 +97,7 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   void compute(const StreamFramePointer& frame, SegmentationBackend& backend);
 
   const StreamSettings& settings_;
+  const std::string client_;
   const std::function<void()> wake_;
 
   mutable Mutex mutex_;

@@ -1,32 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/memory/memory_ledger.hpp"
 
+#include <chrono>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "gtest/gtest.h"
 
 namespace segserve::server {
 namespace {
 
+using std::chrono::seconds;
+
+const std::string kMe = "me", kOther = "other";
+
 TEST(MemoryLedger, NeverLeasesMoreThanItsBudget) {
   MemoryLedger ledger(100);
-  const auto first = ledger.lease(60);
-  ASSERT_TRUE(first);
-  EXPECT_FALSE(ledger.lease(41));
-  EXPECT_FALSE(ledger.lease(std::numeric_limits<std::uint64_t>::max()));
-  const auto second = ledger.lease(40);
+  auto first = ledger.lease(kMe, 60);
+  ASSERT_TRUE(first && first->resize(60));
+  EXPECT_FALSE(ledger.lease(kMe, 41));
+  EXPECT_FALSE(ledger.lease(kMe, std::numeric_limits<std::uint64_t>::max()));
+  const auto second = ledger.lease(kMe, 40);
   EXPECT_TRUE(second);
   EXPECT_EQ(ledger.leased(), 100U);
-  EXPECT_FALSE(ledger.lease(1));
-  EXPECT_TRUE(ledger.lease(0));
+  EXPECT_FALSE(ledger.lease(kMe, 1));
+  EXPECT_TRUE(ledger.lease(kMe, 0));
 }
 
 TEST(MemoryLedger, ALeaseGrowsIfThereIsRoomAndAlwaysShrinks) {
   MemoryLedger ledger(100);
-  MemoryLease lease = *ledger.lease(60);
-  const auto other = ledger.lease(30);
+  MemoryLease lease = *ledger.lease(kMe, 60);
+  EXPECT_TRUE(lease.resize(60));
+  const auto other = ledger.lease(kOther, 30);
   EXPECT_FALSE(lease.resize(71));
   EXPECT_EQ(lease.bytes(), 60U);
   EXPECT_TRUE(lease.resize(70));
@@ -38,9 +46,9 @@ TEST(MemoryLedger, ALeaseGrowsIfThereIsRoomAndAlwaysShrinks) {
 TEST(MemoryLedger, ALeaseMovesAndEndsOnce) {
   MemoryLedger ledger(100);
   {
-    auto first = ledger.lease(10);
+    auto first = ledger.lease(kMe, 10);
     MemoryLease moved = *std::move(first);
-    MemoryLease other = *ledger.lease(20);
+    MemoryLease other = *ledger.lease(kOther, 20);
     EXPECT_EQ(ledger.leased(), 30U);
     other = std::move(moved);
     EXPECT_EQ(ledger.leased(), 10U) << "the 20 are back";
@@ -50,6 +58,48 @@ TEST(MemoryLedger, ALeaseMovesAndEndsOnce) {
     EXPECT_FALSE(other.resize(1)) << "it belongs to no ledger any more";
   }
   EXPECT_EQ(ledger.leased(), 0U);
+}
+
+TEST(MemoryLedger, WhatOnlyWaitsLeavesRoomForWhatIsComputed) {
+  MemoryLedger ledger(100);
+  auto first = ledger.lease(kMe, 40);
+  EXPECT_FALSE(ledger.lease(kMe, 20));
+  const auto second = ledger.lease(kMe, 10);
+  EXPECT_TRUE(second);
+  EXPECT_TRUE(first->resize(90)) << "its turn has come";
+  first->release();
+  EXPECT_TRUE(ledger.lease(kMe, 40)) << "10 wait still";
+}
+
+TEST(MemoryLedger, OneThingMayWaitHoweverLargeItIs) {
+  MemoryLedger ledger(100);
+  EXPECT_TRUE(ledger.lease(kMe, 80));
+}
+
+TEST(MemoryLedger, WhileOthersAreRefusedNobodyGetsMoreThanAShare) {
+  MemoryLedger::Time now{};
+  now += seconds(100);
+  MemoryLedger ledger(100, [&now] { return now; });
+  std::vector<MemoryLease> mine;
+  const auto take = [&](std::uint64_t bytes) {
+    auto lease = ledger.lease(kMe, bytes);
+    if (!lease) return false;
+    lease->resize(bytes);
+    mine.push_back(*std::move(lease));
+    return true;
+  };
+  for (int i = 0; i < 9; ++i) EXPECT_TRUE(take(10)) << "nobody else wants any";
+  EXPECT_FALSE(ledger.lease(kOther, 20));
+  mine.resize(6);
+  EXPECT_FALSE(take(10)) << "it has more than half of the budget, and another client waits";
+  const auto theirs = ledger.lease(kOther, 20);
+  EXPECT_TRUE(theirs);
+  mine.resize(3);
+  EXPECT_TRUE(take(10)) << "this is within its half";
+  EXPECT_TRUE(take(10));
+  EXPECT_FALSE(take(10));
+  now += seconds(6);
+  EXPECT_TRUE(take(10)) << "the other client has what it wanted";
 }
 
 TEST(AvailableMemory, IsThatOfAMachine) {

@@ -38,6 +38,7 @@ class ManualExecutor final : public FrameExecutor {
   bool withdraw(Ticket ticket) override {
     return std::erase_if(jobs_, [ticket](const auto& entry) { return entry.first == ticket; }) > 0;
   }
+  std::chrono::nanoseconds expected_time(std::uint64_t /*points*/) const override { return time_of_a_frame; }
 
   /// Takes the oldest job out, as a worker does.
   FrameJob take() {
@@ -49,6 +50,7 @@ class ManualExecutor final : public FrameExecutor {
   const FrameJob& first() const { return jobs_.front().second; }
 
   std::size_t capacity = 1000;
+  std::chrono::nanoseconds time_of_a_frame{};
 
  private:
   std::list<std::pair<Ticket, FrameJob>> jobs_;
@@ -84,7 +86,7 @@ class SessionHarness {
     settings.credit = {.most_per_stream = credit, .default_bytes_per_stream = credit.bytes};
     settings.ledger = &ledger;
     settings.max_voxels = 1000;
-    session = std::make_shared<StreamSession>(settings, executor, [this] { ++wakes; });
+    session = std::make_shared<StreamSession>(settings, "me", executor, [this] { ++wakes; });
   }
 
   static ServerOptions limited(std::uint32_t threads = 1) {
