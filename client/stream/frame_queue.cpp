@@ -31,7 +31,8 @@ std::size_t count(const Frames& frames, Predicate predicate) {
 
 absl::Status too_late(const QueuedFrame& frame, const absl::Status& connection_error) {
   const absl::Status& cause = frame.last_error.ok() ? connection_error : frame.last_error;
-  std::string message = is_waiting(frame) ? "the frame waited until its time was over" : "no answer came in time";
+  std::string message =
+      is_waiting(frame) ? "the frame waited until it was too late to send it" : "no answer came in time";
   if (!cause.ok()) message += fmt::format("; the last error was: {}", std::string(cause.message()));
   return absl::DeadlineExceededError(message);
 }
@@ -113,6 +114,15 @@ void FrameQueue::fail_waiting(const absl::Status& status, Time now) {
   for (auto& [sequence, frame] : frames_) {
     if (is_waiting(frame)) end(frame, OutcomeKind::kFailed, status, now);
   }
+}
+
+std::size_t FrameQueue::sent() const {
+  return count(frames_, [](const QueuedFrame& frame) { return frame.state == State::kSent; });
+}
+
+void FrameQueue::end_late(QueuedFrame& frame, const absl::Status& connection_error, Time now) {
+  if (frame.can_expire()) return end(frame, OutcomeKind::kExpired, status_of(OutcomeKind::kExpired), now);
+  end(frame, OutcomeKind::kFailed, too_late(frame, connection_error), now);
 }
 
 std::vector<QueuedFrame*> FrameQueue::end_overdue(const absl::Status& connection_error, Time now) {

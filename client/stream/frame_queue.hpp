@@ -35,12 +35,17 @@ struct QueuedFrame {
 
   State state = State::kWaiting;
   Time ready_at = {};           ///< kWaiting: not to be sent before
+  Time sent_at = {};            ///< kSent: when that began
   ConnectionId connection = 0;  ///< kSent
   bool cancelled = false;       ///< by the application, while it was kSent
   absl::Status last_error;      ///< why it is sent again
   UndecodedOutcome undecoded;
 
   FrameReport& report() { return undecoded.outcome.report; }
+  /// Whether its use ends no later than its deadline.
+  bool can_expire() const { return expires && *expires <= deadline; }
+  /// From then on its result is of no use.
+  Time end() const { return can_expire() ? *expires : deadline; }
 };
 
 /// The frames of a stream whose outcome was not taken: which may enter, which goes next, how each ends and in which
@@ -65,6 +70,10 @@ class FrameQueue {
   /// The frames that were sent on a connection and have no outcome.
   std::vector<QueuedFrame*> sent_on(ConnectionId connection);
 
+  /// How many frames are sent and have no outcome.
+  std::size_t sent() const;
+  /// Ends a frame whose result would come too late: as kExpired or kFailed, by which of its times is over first.
+  void end_late(QueuedFrame& frame, const absl::Status& connection_error, Time now);
   /// Gives the frame its outcome.
   void end(QueuedFrame& frame, OutcomeKind kind, absl::Status status, Time now);
   /// Ends all frames without an outcome.

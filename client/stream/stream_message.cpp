@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/stream/stream_message.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -55,17 +56,15 @@ v1::StreamOpen open_message(const StreamOptions& options) {
   return open;
 }
 
-v1::FrameHeader header_message(const FrameRequest& request, const StreamOptions& stream, Time now) {
+v1::FrameHeader header_message(const FrameRequest& request, const StreamOptions& stream, Time end, Time now) {
   v1::FrameHeader header;
   header.set_request_id(request.request_id);
   header.set_frame_id(request.frame_id);
   if (request.stamp) *header.mutable_stamp() = to_message(*request.stamp);
   if (request.options != stream.options) *header.mutable_options() = wire::to_message(request.options);
   if (request.outputs != stream.outputs) *header.mutable_outputs() = wire::to_message(request.outputs);
-  if (request.time_to_live) {
-    *header.mutable_time_to_live() = to_message(*request.time_to_live);
-    *header.mutable_age() = to_message(now - request.captured);
-  }
+  *header.mutable_time_to_live() = to_message(std::max(end - request.captured, Clock::duration(0)));
+  *header.mutable_age() = to_message(now - request.captured);
   header.set_priority(request.priority);
   return header;
 }

@@ -13,9 +13,9 @@ namespace segserve::client {
 /// The message that opens a stream with these options.
 v1::StreamOpen open_message(const StreamOptions& options);
 
-/// The header of a frame on a stream with these options, without what StreamProtocol::begin sets. `now` tells the
-/// frame's age.
-v1::FrameHeader header_message(const FrameRequest& request, const StreamOptions& stream, Time now);
+/// The header of a frame on a stream with these options, without what StreamProtocol::begin sets. From `end` on its
+/// result is of no use, which the server hears as a time to live.
+v1::FrameHeader header_message(const FrameRequest& request, const StreamOptions& stream, Time end, Time now);
 
 /// FAILED for kinds that this version does not know.
 OutcomeKind from_message(v1::OutcomeKind kind);

@@ -61,6 +61,7 @@ StreamScheduler::Tick StreamScheduler::tick(Time now) {
     wake_at = std::min(wake_at, time.value_or(wake_at));
   };
   for (QueuedFrame* frame : frames_.end_overdue(links_.last_error(), now)) {
+    service_time_.add(now - frame->sent_at);
     if (ServerLink* link = links_.find(frame->connection)) link->protocol.cancel(frame->sequence);
   }
   const bool may_wait = options_.wait_for_server || options_.fallback_to_local;
@@ -77,9 +78,20 @@ StreamScheduler::Tick StreamScheduler::tick(Time now) {
   return {.actions = links_.take_actions(), .wake_at = wake_at};
 }
 
+QueuedFrame* StreamScheduler::next_in_time(Time now) {
+  while (QueuedFrame* frame = frames_.next_to_send(now)) {
+    const bool others_wait = frames_.waiting() > 1;
+    // Without any frame under way, nothing would tell that the server is faster again.
+    const bool is_late = now + service_time_.bound() > frame->end() && frames_.sent() > 0;
+    if (!others_wait || !is_late) return frame;
+    frames_.end_late(*frame, links_.last_error(), now);
+  }
+  return nullptr;
+}
+
 /// Starts to send the next frame, if there is one and the credit has room for it.
 void StreamScheduler::begin_frame(ServerLink& link, Time now) {
-  QueuedFrame* frame = frames_.next_to_send(now);
+  QueuedFrame* frame = next_in_time(now);
   if (frame == nullptr) return;
   const std::uint64_t bytes = frame->request.payload.bytes();
   switch (link.protocol.fit(bytes)) {
@@ -95,10 +107,12 @@ void StreamScheduler::begin_frame(ServerLink& link, Time now) {
   if (link.protocol.in_flight() == 0) link.last_sign_of_life = now;  // an idle server is silent with good reason
   frame->state = State::kSent;
   frame->connection = link.id;
+  frame->sent_at = now;
   FrameReport& report = frame->report();
   ++report.attempts;
   report.bytes_sent = report.bytes_received = 0;
-  link.protocol.begin(frame->sequence, header_message(frame->request, options_, now), frame->request.payload);
+  link.protocol.begin(frame->sequence, header_message(frame->request, options_, frame->end(), now),
+                      frame->request.payload);
 }
 
 bool StreamScheduler::next_message(ConnectionId id, OutgoingMessage& outgoing, Time now) {
@@ -160,6 +174,8 @@ void StreamScheduler::on_outcome(ServerLink& link, StreamProtocol::Event& event,
   frame->report().bytes_received = link.outcome_bytes;
   frame->report().address = links_.address_of(link);
   const OutcomeKind kind = from_message(event.outcome.kind());
+  if (kind == OutcomeKind::kResult || kind == OutcomeKind::kExpired) service_time_.add(now - frame->sent_at);
+  if (kind == OutcomeKind::kExpired) return frames_.end_late(*frame, links_.last_error(), now);
   if (kind == OutcomeKind::kFailed) return on_failed_frame(*frame, wire::from_message(event.outcome.status()), now);
   if (!event.intact) {
     const absl::Status error =

@@ -13,6 +13,7 @@
 #include "client/stream/frame_queue.hpp"
 #include "client/stream/outgoing_message.hpp"
 #include "client/stream/server_links.hpp"
+#include "client/stream/service_time.hpp"
 #include "segserve/client/stream_options.hpp"
 
 namespace segserve::client {
@@ -86,6 +87,9 @@ class StreamScheduler {
 
  private:
   void begin_frame(ServerLink& link, Time now);
+  /// The next frame to send, null if there is none. Frames that would come too late, judged by how long the last ones
+  /// took, end instead if others wait: a server that is behind would otherwise be late with all of them.
+  QueuedFrame* next_in_time(Time now);
   void on_event(ServerLink& link, StreamProtocol::Event& event, Time now);
   void on_outcome(ServerLink& link, StreamProtocol::Event& event, Time now);
   void on_failed_frame(QueuedFrame& frame, const absl::Status& status, Time now);
@@ -93,6 +97,7 @@ class StreamScheduler {
   const StreamOptions options_;
   FrameQueue frames_;
   ServerLinks links_;
+  ServiceTime service_time_;
   std::minstd_rand random_;
   bool finished_sending_ = false;
   bool closed_ = false;

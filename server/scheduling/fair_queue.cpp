@@ -14,6 +14,11 @@ constexpr double kPointsOfAnyJob = 1000;
 // How far behind the queue's virtual time a client may return, ns of a worker. A client that sends its next job when it
 // has the result of the last one would otherwise lose part of its share whenever a longer job was in its way.
 constexpr double kMaxLag = 1e9;
+// A job that took less was not done, for example because it was too late, so that it tells nothing about the time of
+// others. But if no job is done any more because all seem to take too long, that must be forgotten some time.
+constexpr std::chrono::microseconds kLeastTime{50};
+constexpr double kForgetting = 0.99;
+
 // With more clients than these, no client may return behind the queue's virtual time.
 constexpr std::size_t kMaxClientsWithLag = 256;
 
@@ -29,28 +34,36 @@ void subtract(QueueBounds& held, const JobInfo& info) {
   held.points -= info.points;
 }
 
-double cost_in_points(const JobInfo& info) { return kPointsOfAnyJob + static_cast<double>(info.points); }
+double cost_in_points(std::uint64_t points) { return kPointsOfAnyJob + static_cast<double>(points); }
 
 }  // namespace
 
 FairQueue::Pushed FairQueue::push(JobInfo info, Job job) {
   Pushed pushed;
-  const std::optional<Refusal> refused = info.may_exceed_bounds ? std::nullopt : refusal(held_, info);
-  if (refused) {
-    const std::optional<std::vector<Ticket>> victims = victims_for(info);
-    if (!victims) return {*refused, {}};
-    for (const Ticket victim : *victims) pushed.evicted.push_back(take(victim));
+  std::vector<Ticket> victims;
+  if (const auto refused = info.may_exceed_bounds ? std::nullopt : refusal(held_, info)) {
+    std::optional<std::vector<Ticket>> found = victims_for(info);
+    if (!found) return {*refused, {}};
+    victims = *std::move(found);
   }
+  pushed.evicted.reserve(victims.size());  // nothing may throw once a job has been evicted
+
   const Ticket ticket = next_ticket_++;
   const auto client = clients_.try_emplace(info.client, Client{.virtual_time = virtual_time_}).first;
   if (client->second.held.jobs == 0) {  // the client was away
     client->second.virtual_time = std::max(client->second.virtual_time, virtual_time_ - kMaxLag);
   }
-  add(client->second.held, info);
-  add(held_, info);
   const Rank rank{.urgency = -std::int64_t{info.priority}, .ticket = ticket};
-  client->second.waiting.emplace(rank, Waiting{std::move(info), std::move(job)});
-  waiting_.emplace(ticket, std::pair(client, rank));
+  const auto waiting = client->second.waiting.emplace(rank, Waiting{std::move(info), std::move(job)}).first;
+  try {
+    waiting_.emplace(ticket, std::pair(client, rank));
+  } catch (...) {
+    client->second.waiting.erase(waiting);
+    throw;
+  }
+  add(client->second.held, waiting->second.info);
+  add(held_, waiting->second.info);
+  for (const Ticket victim : victims) pushed.evicted.push_back(take(victim));
   pushed.result = ticket;
   return pushed;
 }
@@ -75,7 +88,7 @@ std::optional<FairQueue::Started> FairQueue::start_next() {
   const Ticket ticket = first.key().ticket;
   waiting_.erase(ticket);
   virtual_time_ = std::max(virtual_time_, client.virtual_time);
-  const double charged = estimate(first.mapped().info);
+  const double charged = ns_per_point_ * cost_in_points(first.mapped().info.points);
   client.virtual_time += charged;
   running_.emplace(ticket, Running{std::move(first.mapped().info), charged});
   return Started{ticket, std::move(first.mapped().job)};
@@ -91,7 +104,14 @@ void FairQueue::finish(Ticket ticket, std::chrono::nanoseconds took) {
   Client& client = clients_.at(info.client);
   client.virtual_time += actual - job.mapped().charged;
   virtual_time_ += actual / static_cast<double>(clients_with_jobs);
-  ns_per_point_ += 0.1 * (actual / cost_in_points(info) - ns_per_point_);
+  if (took >= kLeastTime) {
+    const double ns_per_point = actual / cost_in_points(info.points);
+    ns_per_point_ += 0.1 * (ns_per_point - ns_per_point_);
+    if (client.ns_per_point == 0) client.ns_per_point = ns_per_point;
+    client.ns_per_point += 0.1 * (ns_per_point - client.ns_per_point);
+  } else {
+    client.ns_per_point *= kForgetting;
+  }
   subtract(client.held, info);
   subtract(held_, info);
   forget_clients();
@@ -164,7 +184,11 @@ Job FairQueue::take(Ticket ticket) {
   return std::move(entry.mapped().job);
 }
 
-double FairQueue::estimate(const JobInfo& info) const { return ns_per_point_ * cost_in_points(info); }
+std::chrono::nanoseconds FairQueue::expected_time(const std::string& client, std::uint64_t points) const {
+  const auto found = clients_.find(client);
+  const double ns_per_point = found == clients_.end() ? 0 : found->second.ns_per_point;
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(ns_per_point * cost_in_points(points)));
+}
 
 void FairQueue::forget_clients() {
   const double lag = clients_.size() > kMaxClientsWithLag ? 0 : kMaxLag;

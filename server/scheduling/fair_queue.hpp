@@ -98,6 +98,8 @@ class FairQueue {
   const QueueBounds& held() const { return held_; }
   /// Clients that are remembered: they have jobs, or had more or less than their share.
   std::size_t clients() const { return clients_.size(); }
+  /// How long a worker needs for a cloud of so many points, judged by earlier jobs of this client; 0 without any.
+  std::chrono::nanoseconds expected_time(const std::string& client, std::uint64_t points) const;
   /// How long one worker would need for all waiting and running jobs, judged by earlier ones.
   std::chrono::nanoseconds backlog() const;
 
@@ -116,7 +118,8 @@ class FairQueue {
     double charged;
   };
   struct Client {
-    double virtual_time;  // ns
+    double virtual_time;      // ns
+    double ns_per_point = 0;  // of its jobs; 0: none was done yet
     std::map<Rank, Waiting> waiting = {};
     QueueBounds held = {};  // waiting or running
   };
@@ -129,8 +132,6 @@ class FairQueue {
   Job take(Ticket ticket);
   /// The part of the queue that is held, of the bound that is nearest.
   double share(const QueueBounds& held) const;
-  /// The time that the job will take, ns.
-  double estimate(const JobInfo& info) const;
   void forget_clients();
 
   const QueueBounds bounds_;

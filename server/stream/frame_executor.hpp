@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 
@@ -31,6 +32,8 @@ class FrameExecutor {
   virtual absl::StatusOr<Ticket> submit(FrameJob job) = 0;
   /// True if the job had not begun; it never will then.
   virtual bool withdraw(Ticket ticket) = 0;
+  /// How long a worker needs for a cloud of so many points, judged by earlier ones of the stream.
+  virtual std::chrono::nanoseconds expected_time(std::uint64_t points) const = 0;
 };
 
 }  // namespace segserve::server

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -22,6 +24,9 @@ class PoolFrameExecutor final : public FrameExecutor {
 
   absl::StatusOr<Ticket> submit(FrameJob job) override;
   bool withdraw(Ticket ticket) override { return pool_.withdraw(ticket); }
+  std::chrono::nanoseconds expected_time(std::uint64_t points) const override {
+    return pool_.expected_time(client_, points);
+  }
 
  private:
   WorkerPool& pool_;

@@ -64,14 +64,19 @@ bool SessionScheduler::drop_oldest(const StreamFrame& newest) {
   return false;
 }
 
-bool SessionScheduler::start(StreamFrame& frame) {
-  if (frame.state == State::kDone) return false;
-  frame.state = State::kRunning;
+bool SessionScheduler::start(const StreamFramePointer& frame, Time now) {
+  if (frame->state == State::kDone) return false;
+  const FrameSettings& settings = frame->settings;
+  if (settings.deadline && now + executor_.expected_time(settings.estimated_points) > *settings.deadline) {
+    finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
+    return false;
+  }
+  frame->state = State::kRunning;
   ++running_;
   return true;
 }
 
-void SessionScheduler::complete(const StreamFramePointer& frame, FinishedFrame finished, Time now) {
+void SessionScheduler::complete(const StreamFramePointer& frame, absl::StatusOr<FinishedFrame> computed, Time now) {
   --running_;
   const bool expired = frame->settings.deadline && now >= *frame->settings.deadline;
   if (abandoned_) {
@@ -80,8 +85,10 @@ void SessionScheduler::complete(const StreamFramePointer& frame, FinishedFrame f
     finish(frame, frame->why_cancelled, absl::OkStatus());
   } else if (expired) {
     finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
+  } else if (computed.ok()) {
+    finish(frame, *std::move(computed));
   } else {
-    finish(frame, std::move(finished));
+    fail(frame, computed.status());
   }
 }
 

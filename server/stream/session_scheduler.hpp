@@ -8,6 +8,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "segserve/v1/stream.pb.h"
 #include "server/frames/segmentation_backend.hpp"
 #include "server/stream/frame_executor.hpp"
@@ -34,10 +35,11 @@ class SessionScheduler {
   void add(const StreamFramePointer& frame);
   /// Queues a frame whose payload has come. The job calls `compute` on a worker, which calls `start` and `complete`.
   void submit(const StreamFramePointer& frame, const Computation& compute);
-  /// A worker has taken the frame. False if its outcome is known already: it must not be computed then.
-  bool start(StreamFrame& frame);
+  /// A worker has taken the frame. False if it must not be computed: its outcome is known, or there is not enough time
+  /// left for it, which ends it as EXPIRED.
+  bool start(const StreamFramePointer& frame, Time now);
   /// A worker has computed the frame, which `start` allowed.
-  void complete(const StreamFramePointer& frame, FinishedFrame finished, Time now);
+  void complete(const StreamFramePointer& frame, absl::StatusOr<FinishedFrame> computed, Time now);
 
   /// The frame ends as FAILED.
   void fail(const StreamFramePointer& frame, const absl::Status& status);

@@ -204,5 +204,65 @@ TEST(StreamScheduler, ACancelledFrameIsNotSentAgain) {
   EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kCancelled)));
 }
 
+TEST(StreamScheduler, TheServerHearsTheDeadlineAsATimeToLive) {
+  StreamHarness stream({.max_waiting = 10});
+  stream.open();
+  stream.send({.timeout = milliseconds(800)});
+  stream.send({.time_to_live = milliseconds(300), .timeout = milliseconds(800)});
+  stream.send({.time_to_live = milliseconds(900), .timeout = milliseconds(800)});
+  std::vector<std::int32_t> milliseconds_to_live;
+  for (const v1::SegmentStreamRequest& message : stream.sent()) {
+    if (message.has_frame()) milliseconds_to_live.push_back(message.frame().time_to_live().nanos() / 1'000'000);
+  }
+  EXPECT_THAT(milliseconds_to_live, ElementsAre(800, 300, 800));
+  for (const std::uint64_t number : {1, 2, 3}) stream.end(number, v1::OUTCOME_KIND_EXPIRED);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed), ended(2, OutcomeKind::kExpired),
+                                          ended(3, OutcomeKind::kFailed)));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(stream.last_.status)) << stream.last_.status;
+}
+
+/// A stream whose window has room for two frames, and whose server has taken 500 ms for each so far.
+class SlowServer : public testing::Test {
+ protected:
+  SlowServer() {
+    stream_.open();
+    for (int i = 0; i < 30; ++i) {
+      stream_.send();
+      stream_.sent();
+      stream_.pass(milliseconds(500));
+      stream_.end(static_cast<std::uint64_t>(i + 1));
+      stream_.taken();
+    }
+  }
+
+  StreamHarness stream_{{.order = Order::kDone, .max_in_flight = 2, .max_waiting = 10}};
+};
+
+TEST_F(SlowServer, AFrameThatWouldComeTooLateMakesWayForTheNext) {
+  const FrameOptions one_second{.timeout = milliseconds(1000)};
+  const std::uint64_t first = stream_.send(one_second);
+  stream_.send(one_second);
+  const std::uint64_t late = stream_.send(one_second);
+  EXPECT_EQ(stream_.begun(), 2U);
+  stream_.pass(milliseconds(600));
+  const std::uint64_t fresh = stream_.send(one_second);
+  stream_.end(31);
+  EXPECT_THAT(stream_.taken(), ElementsAre(ended(first, OutcomeKind::kResult)));
+  EXPECT_EQ(stream_.begun(), 1U);
+  EXPECT_THAT(stream_.taken(), ElementsAre(ended(late, OutcomeKind::kFailed)));
+  EXPECT_TRUE(absl::IsDeadlineExceeded(stream_.last_.status)) << stream_.last_.status;
+  EXPECT_EQ(stream_.scheduler_.admission(), StreamScheduler::Admission::kOpen);
+  stream_.end(33);
+  EXPECT_THAT(stream_.taken(), ElementsAre(ended(fresh, OutcomeKind::kResult)));
+}
+
+TEST_F(SlowServer, ALateFrameIsTriedIfNoOtherWaits) {
+  stream_.send({.timeout = milliseconds(5000)});
+  const std::uint64_t hurried = stream_.send({.timeout = milliseconds(100)});
+  EXPECT_EQ(stream_.begun(), 2U);
+  stream_.end(32);
+  EXPECT_THAT(stream_.taken(), ElementsAre(ended(hurried, OutcomeKind::kResult)));
+}
+
 }  // namespace
 }  // namespace segserve::client

@@ -332,5 +332,23 @@ TEST(FairQueue, TheBacklogFollowsThePointsAndTheSpeed) {
   EXPECT_NEAR(static_cast<double>(queue.backlog() / 1us), 1.5e6, 1e3);
 }
 
+TEST(FairQueue, ExpectsOfAClientWhatItsJobsTook) {
+  FairQueue queue(kWide);
+  const auto run = [&queue](const char* client, std::chrono::nanoseconds took) {
+    must_push(queue, {.client = client, .points = 99'000});
+    queue.finish(queue.start_next()->ticket, took);
+  };
+  EXPECT_EQ(queue.expected_time("slow", 99'000), 0ns) << "nothing is known yet";
+  for (int i = 0; i < 100; ++i) run("slow", 100ms);
+  EXPECT_NEAR(static_cast<double>(queue.expected_time("slow", 199'000) / 1us), 200'000, 2'000);
+  must_push(queue, {.client = "fast", .points = 99'000});
+  EXPECT_EQ(queue.expected_time("fast", 99'000), 0ns) << "what others need says nothing about it";
+  queue.finish(queue.start_next()->ticket, 10ms);
+  run("slow", 1us);
+  EXPECT_GT(queue.expected_time("slow", 99'000), 98ms) << "it was too late, and not computed";
+  for (int i = 0; i < 500; ++i) run("slow", 1us);
+  EXPECT_LT(queue.expected_time("slow", 99'000), 1ms) << "one of them has to be tried again";
+}
+
 }  // namespace
 }  // namespace segserve::server

@@ -71,6 +71,29 @@ TEST(Session, FramesExpireWithTheirAgeAtTheClientCounted) {
   EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_EXPIRED) << "too late is too late";
 }
 
+TEST(Session, AFrameThatCannotBeDoneInTimeIsNotBegun) {
+  SessionHarness harness;
+  harness.open(opening(v1::WHEN_BEHIND_BLOCK, v1::RESULT_ORDER_UNORDERED));
+  harness.executor.time_of_a_frame = 300ms;
+  for (const std::uint64_t sequence : {1, 2}) {
+    SentFrame frame(sequence);
+    frame.header.mutable_time_to_live()->set_seconds(1);
+    harness.send(std::move(frame));
+  }
+  int segmented = 0;
+  harness.on_segment = [&](const CloudView& cloud, const auto&, const auto&) {
+    ++segmented;
+    return SessionHarness::all_in_one(cloud);
+  };
+  harness.now += 700ms;
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_RESULT);
+  harness.now += 1ms;
+  harness.compute();
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_EXPIRED);
+  EXPECT_EQ(segmented, 1);
+}
+
 TEST(Session, DropOldestMakesRoomForTheNewest) {
   SessionHarness harness;
   harness.executor.capacity = 2;

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/stream/service_time.hpp"
+
+namespace segserve::client {
+
+void ServiceTime::add(Duration took) {
+  if (!mean_) {
+    mean_ = took;
+    deviation_ = took / 2;
+    return;
+  }
+  const Duration off = took - *mean_;
+  deviation_ += ((off < Duration(0) ? -off : off) - deviation_) / 4;
+  *mean_ += off / 8;
+}
+
+}  // namespace segserve::client

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+namespace segserve::client {
+
+/// How long frames take from the time when they are sent to their outcome, learned as TCP learns its timeout (RFC 6298,
+/// section 2): a smoothed mean, and four times the smoothed deviation from it.
+class ServiceTime {
+ public:
+  using Duration = std::chrono::nanoseconds;
+
+  /// A frame took so long, or longer if it was given up then.
+  void add(Duration took);
+  /// A time that few frames exceed; zero if none has come yet.
+  Duration bound() const { return mean_ ? *mean_ + 4 * deviation_ : Duration(0); }
+
+ private:
+  std::optional<Duration> mean_;
+  Duration deviation_{};
+};
+
+}  // namespace segserve::client

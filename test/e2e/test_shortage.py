@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A server that runs short of what the system gives it, and one that has to stop in the middle of its work."""
+import json
+import os
+import pathlib
+import resource
+import signal
+import socket
+import subprocess
+import threading
+import time
+import unittest
+
+import grpc
+
+from harness import SEGCTL, SEGSERVE, SUCCESS, EndToEnd, Server, segctl
+
+MIB = 1 << 20
+IS_FAST = os.environ.get("BOUNDS_MEMORY", "1") == "1"  # not under a sanitizer
+DEAF = 4
+UNARY = "/segserve.v1.SegmentationService/Segment"
+
+
+def at_most(what, value):
+    return lambda: resource.setrlimit(what, (value, value))
+
+
+def bench(address, *flags):
+    return subprocess.Popen([SEGCTL, "bench", "--server", address, "--size", "160x120", "--scenes", "2", "--json", "-",
+                             *flags], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+class FileDescriptors(EndToEnd):
+    def test_a_server_that_has_become_deaf_ends(self):
+        server = Server(self.folder, "--listener-check", "0.5", before=at_most(resource.RLIMIT_NOFILE, 64))
+        self.addCleanup(server.close)
+        host, port = server.address.split(":")
+        connections = []
+        try:
+            for _ in range(100):
+                connections.append(socket.create_connection((host, int(port)), timeout=1))
+        except OSError:
+            pass  # the backlog is full
+        time.sleep(1)
+        for connection in connections:
+            connection.close()
+        # gRPC 1.51 accepts no more connections after that. Versions that do are right, too.
+        deadline = time.monotonic() + 20
+        while server.process.poll() is None and time.monotonic() < deadline:
+            if segctl("health", "--server", server.address, "--timeout", "1").returncode == SUCCESS:
+                return
+        self.assertEqual(server.process.poll(), DEAF)
+
+
+class UnixSocket(EndToEnd):
+    def test_a_second_server_does_not_take_the_socket_away(self):
+        path = self.folder / "s"
+        first = subprocess.Popen([SEGSERVE, "--listen", f"unix:{path}", "--log-level", "error"])
+        self.addCleanup(first.wait)
+        self.addCleanup(first.kill)
+        self.await_health(path)
+        second = subprocess.run([SEGSERVE, "--listen", f"unix:{path}"], capture_output=True, timeout=20)
+        self.assertEqual(second.returncode, 1)
+        self.assertIn(b"another process serves there", second.stderr)
+        self.run_well("health", "--server", f"unix:{path}")
+        first.kill()
+        first.wait()
+        self.assertTrue(path.exists(), "a killed server leaves its socket")
+        third = subprocess.Popen([SEGSERVE, "--listen", f"unix:{path}", "--log-level", "error"])
+        self.addCleanup(third.wait)
+        self.addCleanup(third.kill)
+        self.await_health(path)
+
+    def await_health(self, path):
+        for _ in range(200):
+            if segctl("health", "--server", f"unix:{path}").returncode == SUCCESS:
+                return
+            time.sleep(0.05)
+        self.fail("no server on the socket")
+
+
+@unittest.skipUnless(IS_FAST, "a sanitizer needs a large address space")
+class AddressSpace(EndToEnd):
+    def test_every_call_ends_and_so_does_the_server(self):
+        server = Server(self.folder, "--workers", "2", "--grace-period", "2", "--memory", "4GiB",
+                        before=at_most(resource.RLIMIT_AS, 900 * MIB))
+        self.addCleanup(server.close)
+        scene = self.synth("--width", "640", "--height", "480")
+        clients = [subprocess.Popen([SEGCTL, "segment", scene, "--server", server.address, "--timeout", "20", "--quiet",
+                                     "--voxel-resolution", "0.002", "--seed-resolution", "0.02", "-o",
+                                     self.path(f"out-{i}.pcd")],
+                                    stderr=subprocess.PIPE) for i in range(12)]
+        channel = grpc.insecure_channel(server.address)
+        self.addCleanup(channel.close)
+        garbage = [channel.unary_unary(UNARY).future(b"\x82\x01" + bytes([0x80, 0x80, 0x80, 0x03]) + bytes(6 * MIB),
+                                                     timeout=30) for _ in range(40)]
+        for call in garbage:
+            self.assertIsNotNone(call.exception(timeout=60))
+        for client in clients:
+            client.communicate(timeout=60)
+        if server.process.poll() is None:  # gRPC itself ends a process that lacks memory
+            began = time.monotonic()
+            server.process.send_signal(signal.SIGTERM)
+            server.process.wait(timeout=30)
+            self.assertLess(time.monotonic() - began, 2 + 2 + 1)
+
+
+class Stops(EndToEnd):
+    def test_sigterm_under_load_loses_nothing(self):
+        servers = [Server(self.folder, "--grace-period", "10") for _ in range(2)]
+        for server in servers:
+            self.addCleanup(server.close)
+        both = ",".join(server.address for server in servers)
+        load = bench(both, "--clients", "4", "--duration", "8", "--verify")
+        for server in servers:  # one after the other, and each comes back before the next one goes
+            time.sleep(2)
+            port = server.address.split(":")[1]
+            began = time.monotonic()
+            self.assertEqual(server.terminate(), 0)
+            self.assertLess(time.monotonic() - began, 10 + 2)
+            again = subprocess.Popen([SEGSERVE, "--listen", f"127.0.0.1:{port}", "--log-level", "error"])
+            self.addCleanup(again.wait)
+            self.addCleanup(again.kill)
+        output, errors = load.communicate(timeout=120)
+        told = json.loads(output)
+        self.assertEqual(load.returncode, SUCCESS, errors)
+        self.assertEqual(told["errors"], {})
+        self.assertEqual(told["mismatches"], 0)
+        self.assertGreater(told["verified"], 20)
+
+    def test_dribbling_clients_do_not_delay_the_end(self):
+        server = Server(self.folder, "--grace-period", "1")
+        self.addCleanup(server.close)
+        host, port = server.address.split(":")
+        with socket.create_connection((host, int(port))) as connection:
+            connection.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\4\0\0\0\0\0")
+            stop = threading.Event()
+
+            def dribble():
+                while not stop.wait(0.1):
+                    try:
+                        connection.sendall(b"\0")
+                    except OSError:
+                        return
+
+            thread = threading.Thread(target=dribble)
+            thread.start()
+            time.sleep(0.5)
+            began = time.monotonic()
+            self.assertEqual(server.terminate(), 0)
+            self.assertLess(time.monotonic() - began, 1 + 2)
+            stop.set()
+            thread.join()
+
+
+@unittest.skipUnless(IS_FAST, "a sanitizer keeps freed memory")
+class MemoryAfterwards(EndToEnd):
+    server_flags = ("--workers", "2")
+
+    def resident(self):
+        for line in pathlib.Path(f"/proc/{self.server.process.pid}/status").read_text().splitlines():
+            if line.startswith("VmRSS:"):
+                return 1024 * int(line.split()[1])
+        raise AssertionError("no VmRSS")
+
+    def test_memory_goes_back_to_the_system(self):
+        before = self.resident()
+        scene = self.synth("--width", "1600", "--height", "1200")
+        for _ in range(2):
+            self.segment(scene)
+        self.assertGreater(self.resident(), before + 100 * MIB, "the frames were to need memory")
+        deadline = time.monotonic() + 60
+        while self.resident() > before + 64 * MIB and time.monotonic() < deadline:
+            time.sleep(1)
+        self.assertLess(self.resident(), before + 64 * MIB)
+
+
+@unittest.skipUnless(IS_FAST, "the load is too much for a sanitizer")
+class Overload(EndToEnd):
+    server_flags = ("--workers", "1")
+    SECONDS = int(os.environ.get("OVERLOAD_SECONDS", "10"))
+
+    def measure(self, *flags):
+        load = bench(self.server.address, "--clients", "8", "--encoded-beforehand", "--duration", str(self.SECONDS), "--timeout",
+                     "3", *flags)
+        output, errors = load.communicate(timeout=300)
+        self.assertTrue(output, errors)
+        return json.loads(output)
+
+    def test_goodput_stays_at_its_peak(self):
+        peak = self.measure("--in-flight", "4")["frames"]["results"] / self.SECONDS
+        for factor in (6, 10):
+            told = self.measure("--rate", str(factor * peak))
+            # The frames that were due in this time are answered within as long a time, some two seconds later.
+            self.assertGreater(told["frames"]["results"] / self.SECONDS, 0.9 * peak, told)
+
+
+if __name__ == "__main__":
+    unittest.main()
