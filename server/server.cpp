@@ -25,7 +25,7 @@ namespace {
 
 // The transport needs bounds of its own, because a unary request is in memory before our code sees it.
 constexpr int kMaxStreamsPerConnection = 128;
-constexpr std::size_t kTransportMemoryBytes = std::size_t{1} << 30U;
+constexpr std::uint64_t kLeastTransportBytes = std::uint64_t{32} << 20U, kMostTransportBytes = std::uint64_t{1} << 30U;
 // Open health watches end after this time; nothing else ends them.
 constexpr std::chrono::milliseconds kCloseTime{100};
 // Calls that are ended at the end of the grace period have this long to tell their clients.
@@ -45,7 +45,10 @@ bool is_served(const ListenAddress& address) {
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, const BackendFactory& make_backend)
-      : grace_period_(options.grace_period), drain_delay_(options.drain_delay), service_(options, make_backend) {}
+      : grace_period_(options.grace_period),
+        drain_delay_(options.drain_delay),
+        transport_bytes_(std::clamp(options.memory / 5, kLeastTransportBytes, kMostTransportBytes)),
+        service_(options, make_backend) {}
   GrpcServer(const GrpcServer&) = delete;
   GrpcServer& operator=(const GrpcServer&) = delete;
   ~GrpcServer() override { stop(); }
@@ -59,6 +62,7 @@ class GrpcServer final : public Server {
 
  private:
   const std::chrono::milliseconds grace_period_, drain_delay_;
+  const std::uint64_t transport_bytes_;  // for what is on its way, besides the memory of frames
   SegmentationService service_;
   std::unique_ptr<grpc::Server> server_;  // is destroyed before the service that it calls
   std::string address_;
@@ -73,7 +77,7 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ResourceQuota quota("segserve");
-  quota.Resize(kTransportMemoryBytes);
+  quota.Resize(transport_bytes_);
 
   grpc::ServerBuilder builder;
   builder.SetResourceQuota(quota);

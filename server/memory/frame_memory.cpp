@@ -57,7 +57,7 @@ absl::Status FrameMemory::receive(std::uint64_t bytes) {
   payload_bytes_ = bytes;
   if (ledger_ == nullptr) return absl::OkStatus();
   RETURN_IF_ERROR(check_budget(bytes));
-  std::optional<MemoryLease> lease = ledger_->lease(client_, bytes);
+  std::optional<MemoryLease> lease = ledger_->lease(owner_, bytes);
   if (!lease) return in_use_by_others();
   lease_ = *std::move(lease);
   return absl::OkStatus();

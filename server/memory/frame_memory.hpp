@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <utility>
 
 #include "absl/status/status.h"
@@ -21,8 +20,8 @@ class FrameMemory {
  public:
   /// Holds nothing, and has no ledger.
   FrameMemory() = default;
-  FrameMemory(MemoryLedger& ledger, std::string client, std::uint64_t max_voxels)
-      : ledger_(&ledger), client_(std::move(client)), max_voxels_(max_voxels) {}
+  FrameMemory(MemoryLedger& ledger, MemoryOwner owner, std::uint64_t max_voxels)
+      : ledger_(&ledger), owner_(std::move(owner)), max_voxels_(max_voxels) {}
 
   /// A payload of so many bytes comes, and is kept until the result is there.
   absl::Status receive(std::uint64_t bytes);
@@ -42,7 +41,7 @@ class FrameMemory {
   absl::Status need(std::uint64_t bytes);
 
   MemoryLedger* ledger_ = nullptr;
-  std::string client_;
+  MemoryOwner owner_;
   std::uint64_t max_voxels_ = 0;
   MemoryLease lease_;
   std::uint64_t payload_bytes_ = 0;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <string>
 
@@ -57,7 +58,7 @@ MemoryLease& MemoryLease::operator=(MemoryLease&& other) noexcept {
   if (this != &other) {
     release();
     ledger_ = std::exchange(other.ledger_, nullptr);
-    client_ = other.client_;
+    owner_ = std::move(other.owner_);
     bytes_ = other.bytes_;
     waits_ = other.waits_;
   }
@@ -71,24 +72,30 @@ void MemoryLease::release() {
   ledger_ = nullptr;
 }
 
-std::optional<MemoryLease> MemoryLedger::lease(const std::string& client, std::uint64_t bytes) {
+std::optional<MemoryLease> MemoryLedger::lease(const MemoryOwner& owner, std::uint64_t bytes) {
   const Time now = now_();
+  MemoryLease lease;
+  lease.owner_ = owner;
+  lease.bytes_ = bytes;
   const MutexLock lock(mutex_);
-  forget_clients(now);
-  const auto entry = clients_.try_emplace(client).first;
-  if (!has_room_for(entry->second, bytes)) {
-    entry->second.refused_until = now + kRefusedFor;
+  forget_refusals(now);
+  Address& address = addresses_[owner.address];
+  Holding& stream = address.streams[owner.stream];
+  if (!has_room_for(owner, bytes)) {
+    address.all.refused_until = stream.refused_until = now + kRefusedFor;
+    last_refusal_ = now;
     return std::nullopt;
   }
-  entry->second.bytes += bytes;
-  ++entry->second.leases;
-  leased_ += bytes;
+  add(owner, bytes, 1);
   waiting_ += bytes;
-  MemoryLease lease;
   lease.ledger_ = this;
-  lease.client_ = &entry->first;
-  lease.bytes_ = bytes;
   return lease;
+}
+
+bool MemoryLedger::is_short() const {
+  const Time now = now_();
+  const MutexLock lock(mutex_);
+  return last_refusal_ != Time() && now < last_refusal_ + kRefusedFor;
 }
 
 std::uint64_t MemoryLedger::leased() const {
@@ -96,41 +103,61 @@ std::uint64_t MemoryLedger::leased() const {
   return leased_;
 }
 
-bool MemoryLedger::has_room_for(const Client& client, std::uint64_t bytes) const {
+bool MemoryLedger::has_room_for(const MemoryOwner& owner, std::uint64_t bytes) const {
   if (bytes > budget_ - leased_) return false;
   if (waiting_ > 0 && bytes > budget_ / 2 - std::min(budget_ / 2, waiting_)) return false;
-  const bool others_were_refused = std::ranges::any_of(clients_, [&client](const Clients::value_type& entry) {
-    return &entry.second != &client && entry.second.refused_until > Time();
-  });
-  return !others_were_refused || client.bytes + bytes <= budget_ / clients_.size();
+  const auto others_were_refused = [](const auto& holdings, const std::string& self, const auto& holding_of) {
+    return std::ranges::any_of(holdings, [&](const auto& entry) {
+      return entry.first != self && holding_of(entry.second).refused_until > Time();
+    });
+  };
+  const Address& address = addresses_.find(owner.address)->second;
+  std::uint64_t limit = budget_;
+  if (others_were_refused(addresses_, owner.address, [](const Address& other) { return other.all; })) {
+    limit /= addresses_.size();
+    if (address.all.bytes + bytes > limit) return false;
+  }
+  const Holding& stream = address.streams.find(owner.stream)->second;
+  return !others_were_refused(address.streams, owner.stream, [](const Holding& other) { return other; }) ||
+         stream.bytes + bytes <= limit / address.streams.size();
 }
 
-void MemoryLedger::forget_clients(Time now) {
-  for (auto& [name, client] : clients_) {
-    if (client.refused_until <= now) client.refused_until = Time();
+void MemoryLedger::forget_refusals(Time now) {
+  const auto forget = [now](Holding& holding) {
+    if (holding.refused_until <= now) holding.refused_until = Time();
+    return holding.leases == 0 && holding.refused_until == Time();
+  };
+  for (auto address = addresses_.begin(); address != addresses_.end();) {
+    auto& streams = address->second.streams;
+    for (auto stream = streams.begin(); stream != streams.end();) {
+      stream = forget(stream->second) ? streams.erase(stream) : std::next(stream);
+    }
+    address = forget(address->second.all) ? addresses_.erase(address) : std::next(address);
   }
-  std::erase_if(clients_, [](const Clients::value_type& entry) {
-    return entry.second.leases == 0 && entry.second.refused_until == Time();
-  });
+}
+
+void MemoryLedger::add(const MemoryOwner& owner, std::uint64_t bytes, std::size_t leases) {
+  Address& address = addresses_.find(owner.address)->second;
+  for (Holding* holding : {&address.all, &address.streams.find(owner.stream)->second}) {
+    holding->bytes += bytes;
+    holding->leases += leases;
+  }
+  leased_ += bytes;
 }
 
 bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
   const MutexLock lock(mutex_);
   if (bytes > lease.bytes_ && bytes - lease.bytes_ > budget_ - leased_) return false;
   if (std::exchange(lease.waits_, false)) waiting_ -= lease.bytes_;
-  leased_ += bytes - lease.bytes_;
-  clients_.find(*lease.client_)->second.bytes += bytes - lease.bytes_;
+  add(lease.owner_, bytes - lease.bytes_, 0);
   lease.bytes_ = bytes;
   return true;
 }
 
 void MemoryLedger::release(const MemoryLease& lease) {
   const MutexLock lock(mutex_);
-  leased_ -= lease.bytes_;
   if (lease.waits_) waiting_ -= lease.bytes_;
-  const auto client = clients_.find(*lease.client_);
-  client->second.bytes -= lease.bytes_;
-  if (--client->second.leases == 0 && client->second.refused_until == Time()) clients_.erase(client);
+  add(lease.owner_, 0 - lease.bytes_, static_cast<std::size_t>(-1));
 }
 
 std::uint64_t available_memory() {

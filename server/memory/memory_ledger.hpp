@@ -17,6 +17,12 @@ namespace segserve::server {
 
 class MemoryLedger;
 
+/// Whose a lease is.
+struct MemoryOwner {
+  std::string address;  ///< of the machine, see client_address
+  std::string stream;   ///< the stream, or the connection of a unary call
+};
+
 /// Bytes of a MemoryLedger that belong to one thing. It gives them back when it is destroyed. One thread at a time may
 /// use it; the ledger must outlive it.
 class MemoryLease {
@@ -36,7 +42,7 @@ class MemoryLease {
   friend class MemoryLedger;
 
   MemoryLedger* ledger_ = nullptr;
-  const std::string* client_ = nullptr;  // the ledger's
+  MemoryOwner owner_;
   std::uint64_t bytes_ = 0;
   bool waits_ = true;
 };
@@ -46,8 +52,8 @@ class MemoryLease {
 /// Thread-safe.
 ///
 /// Two rules keep it useful for everybody. What only waits gets at most half of the budget, so that what is computed
-/// finds room. And for some seconds after a client got nothing, clients that hold more than their share get nothing
-/// more; a share is the budget divided by the number of clients that hold something or were refused lately.
+/// finds room. And for some seconds after one was refused, others that hold more than their share get nothing more. All
+/// that hold something or were refused lately have equal shares: addresses of the budget, streams of their address's.
 class MemoryLedger {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -55,24 +61,31 @@ class MemoryLedger {
   explicit MemoryLedger(std::uint64_t budget, std::function<Time()> now = std::chrono::steady_clock::now)
       : budget_(budget), now_(std::move(now)) {}
 
-  /// Memory for something of this client that waits for its turn. nullopt if so many bytes are not free for it.
-  std::optional<MemoryLease> lease(const std::string& client, std::uint64_t bytes);
+  /// Memory for something that waits for its turn. nullopt if so many bytes are not free for it.
+  std::optional<MemoryLease> lease(const MemoryOwner& owner, std::uint64_t bytes);
 
+  /// Whether somebody was refused in the last seconds.
+  bool is_short() const;
   std::uint64_t budget() const { return budget_; }
   std::uint64_t leased() const;
 
  private:
   friend class MemoryLease;
 
-  struct Client {
+  struct Holding {
     std::uint64_t bytes = 0;
     std::size_t leases = 0;
     Time refused_until{};  // it may come again, so that others must not take more than their share until then
   };
-  using Clients = std::map<std::string, Client>;
+  struct Address {
+    Holding all;
+    std::map<std::string, Holding> streams = {};
+  };
 
-  bool has_room_for(const Client& client, std::uint64_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void forget_clients(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  bool has_room_for(const MemoryOwner& owner, std::uint64_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void forget_refusals(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// Adds to what the owner holds; wraps around for what is subtracted.
+  void add(const MemoryOwner& owner, std::uint64_t bytes, std::size_t leases) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool resize(MemoryLease& lease, std::uint64_t bytes);
   void release(const MemoryLease& lease);
 
@@ -81,7 +94,8 @@ class MemoryLedger {
   mutable Mutex mutex_;
   std::uint64_t leased_ ABSL_GUARDED_BY(mutex_) = 0;
   std::uint64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // the part of it that is leased for what waits
-  Clients clients_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Address> addresses_ ABSL_GUARDED_BY(mutex_);
+  Time last_refusal_ ABSL_GUARDED_BY(mutex_){};
 };
 
 /// The memory that this process may use, bytes: the least of the limits of its cgroups, and of the machine's memory.

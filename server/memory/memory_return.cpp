@@ -13,7 +13,7 @@ namespace segserve::server {
 namespace {
 
 constexpr std::chrono::seconds kBetweenLooks{5};
-constexpr std::uint64_t kIdleLooks = 2;
+constexpr std::uint64_t kIdleLooks = 3;  // when idle workers have given up their buffers, too
 constexpr std::uint64_t kWorthwhile = std::uint64_t{8} << 20U;
 
 }  // namespace
@@ -24,7 +24,8 @@ void MemoryReturn::on_tick(Time now) {
   idle_looks_ = ledger_.leased() == 0 ? idle_looks_ + 1 : 0;
   if (idle_looks_ < kIdleLooks) return;
   const std::uint64_t before = resident_memory();
-  if (before < least_resident_ + kWorthwhile) return;
+  const bool has_just_become_idle = idle_looks_ == kIdleLooks;
+  if (!has_just_become_idle && before < least_resident_ + kWorthwhile) return;
   malloc_trim(0);
   least_resident_ = resident_memory();
   spdlog::debug("gave {} MiB of memory back to the system", (before - std::min(before, least_resident_)) >> 20U);

@@ -50,7 +50,7 @@ SegmentCall::SegmentCall(SegmentationService& service, grpc::CallbackServerConte
     : service_(service),
       context_(context),
       canceler_(context),
-      memory_(service.ledger_, client_address(context.peer()), service.max_voxels_),
+      memory_(service.ledger_, MemoryOwner{client_address(context.peer()), context.peer()}, service.max_voxels_),
       response_(response),
       arrival_(Clock::now()),
       deadline_(steady_deadline(context)) {}
@@ -145,7 +145,8 @@ void SegmentCall::finish(const absl::Status& status) {
 
 void SegmentCall::on_tick(Time now) {
   const Time finished_at = finished_at_;
-  if (finished_at != Time::max() && now - finished_at >= service_.stream_settings_.result_timeout) canceler_.cancel();
+  if (finished_at == Time::max()) return;
+  if (now - finished_at >= service_.stream_settings_.result_timeout_now()) canceler_.cancel();
 }
 
 void SegmentCall::OnDone() {

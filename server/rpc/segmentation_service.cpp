@@ -2,6 +2,7 @@
 #include "server/rpc/segmentation_service.hpp"
 
 #include <algorithm>
+#include <string>
 
 #include "fmt/format.h"
 #include "proto/wire/byte_run.hpp"
@@ -120,10 +121,10 @@ grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SegmentationService
   if (!calls_.admit()) return new RefusedStream(draining());  // deletes itself
   const auto transport = catch_exceptions([&]() -> absl::StatusOr<std::shared_ptr<SessionTransport>> {
     // For the workers each stream counts as a client, whether or not streams share a connection.
-    auto executor = std::make_unique<PoolFrameExecutor>(
-        pool_, backends_, fmt::format("{} stream {}", context->peer(), ++streams_so_far_));
+    const std::string client = fmt::format("{} stream {}", context->peer(), ++streams_so_far_);
+    auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_, client);
     auto admitted = std::make_shared<SessionTransport>(*context, calls_, sessions_, std::move(executor));
-    admitted->prepare(stream_settings_, client_address(context->peer()));
+    admitted->prepare(stream_settings_, MemoryOwner{client_address(context->peer()), client});
     return admitted;
   });
   if (!transport.ok()) {

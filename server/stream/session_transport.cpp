@@ -11,9 +11,9 @@
 
 namespace segserve::server {
 
-void SessionTransport::prepare(const StreamSettings& settings, std::string client) {
-  result_timeout_ = settings.result_timeout;
-  session_ = std::make_shared<StreamSession>(settings, std::move(client), *executor_, [weak = weak_from_this()] {
+void SessionTransport::prepare(const StreamSettings& settings, MemoryOwner owner) {
+  settings_ = &settings;
+  session_ = std::make_shared<StreamSession>(settings, std::move(owner), *executor_, [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->advance();
   });
   registry_.add(session_);
@@ -62,7 +62,7 @@ void SessionTransport::advance() {
     const MutexLock lock(mutex_);
     if (finished_) return;
     if (writing_) {
-      is_unread = StreamSettings::Clock::now() - write_began_ >= result_timeout_;
+      is_unread = StreamSettings::Clock::now() - write_began_ >= settings_->result_timeout_now();
     } else {
       const absl::StatusOr<bool> has_next = catch_exceptions([&] { return next_response(); });
       if (!has_next.ok()) session_->end(has_next.status());

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <memory>
-#include <string>
 #include <utility>
 
 #include "absl/base/thread_annotations.h"
@@ -11,6 +10,7 @@
 #include "core/base/mutex.hpp"
 #include "grpcpp/support/byte_buffer.h"
 #include "grpcpp/support/server_callback.h"
+#include "server/memory/memory_ledger.hpp"
 #include "server/scheduling/call_canceler.hpp"
 #include "server/scheduling/in_flight_calls.hpp"
 #include "server/stream/frame_executor.hpp"
@@ -30,8 +30,8 @@ class SessionTransport final : public grpc::ServerBidiReactor<grpc::ByteBuffer, 
                    std::unique_ptr<FrameExecutor> executor)
       : canceler_(context), calls_(calls), registry_(registry), executor_(std::move(executor)) {}
 
-  /// Makes the session. It must have returned, and not thrown, before `start`.
-  void prepare(const StreamSettings& settings, std::string client);
+  /// Makes the session. It must have returned, and not thrown, before `start`. The settings must outlive this object.
+  void prepare(const StreamSettings& settings, MemoryOwner owner);
   /// Begins to read.
   void start() noexcept;
 
@@ -55,9 +55,9 @@ class SessionTransport final : public grpc::ServerBidiReactor<grpc::ByteBuffer, 
   const std::unique_ptr<FrameExecutor> executor_;
   std::shared_ptr<StreamSession> session_;
   std::shared_ptr<SessionTransport> self_;
-  grpc::ByteBuffer request_;   // gRPC's while a read is under way
-  grpc::ByteBuffer response_;  // gRPC's while a write is under way
-  std::chrono::milliseconds result_timeout_{};
+  grpc::ByteBuffer request_;                  // gRPC's while a read is under way
+  grpc::ByteBuffer response_;                 // gRPC's while a write is under way
+  const StreamSettings* settings_ = nullptr;  // set by `prepare`
   Mutex mutex_;
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
   StreamSettings::Clock::time_point write_began_ ABSL_GUARDED_BY(mutex_);

@@ -43,10 +43,10 @@ absl::StatusOr<FinishedFrame> compute_outcome(StreamFrame& frame, SegmentationBa
 
 }  // namespace
 
-StreamSession::StreamSession(const StreamSettings& settings, std::string client, FrameExecutor& executor,
+StreamSession::StreamSession(const StreamSettings& settings, MemoryOwner owner, FrameExecutor& executor,
                              std::function<void()> wake)
     : settings_(settings),
-      client_(std::move(client)),
+      owner_(std::move(owner)),
       wake_(std::move(wake)),
       protocol_(settings.greeting, outbox_),
       scheduler_(executor, outbox_),
@@ -154,7 +154,7 @@ void StreamSession::begin(const StreamFramePointer& frame) {
 
 absl::Status StreamSession::resolve(StreamFrame& frame) {
   ASSIGN_OR_RETURN(frame.settings, settings_.resolver.resolve_frame(frame.header, defaults_, settings_.now()));
-  if (settings_.ledger != nullptr) frame.memory = FrameMemory(*settings_.ledger, client_, settings_.max_voxels);
+  if (settings_.ledger != nullptr) frame.memory = FrameMemory(*settings_.ledger, owner_, settings_.max_voxels);
   RETURN_IF_ERROR(frame.memory.receive(frame.header.encoded_bytes()));
   frame.payload = wire::IncomingBytes(wire::payload_block_sizes(frame.header.cloud()));
   return absl::OkStatus();

@@ -7,7 +7,6 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string>
 
 #include "absl/base/thread_annotations.h"
 #include "absl/status/status.h"
@@ -39,9 +38,14 @@ struct StreamSettings {
   /// A frame's upload may take `upload_grace` and the time of its bytes at this rate, bytes per second.
   std::uint64_t least_upload_rate = 16 * 1024;
   std::chrono::milliseconds upload_grace{10'000};
-  std::chrono::milliseconds result_timeout{30'000};  ///< for the client to read a message
-  std::chrono::milliseconds idle_timeout{600'000};   ///< without a message or a frame; the stream ends then
+  /// For the client to read a message; the shorter one while others find no memory.
+  std::chrono::milliseconds result_timeout{30'000}, short_result_timeout{3'000};
+  std::chrono::milliseconds idle_timeout{600'000};  ///< without a message or a frame; the stream ends then
   std::function<Clock::time_point()> now = Clock::now;
+
+  std::chrono::milliseconds result_timeout_now() const {
+    return ledger != nullptr && ledger->is_short() ? short_result_timeout : result_timeout;
+  }
 };
 
 /// One SegmentStream without its transport: takes the client's messages, has the frames computed, and gives out the
@@ -53,10 +57,9 @@ struct StreamSettings {
 /// lock held.
 class StreamSession : public std::enable_shared_from_this<StreamSession> {
  public:
-  /// `client` is whose memory the frames are. Settings and executor must outlive the session's work, which is over
+  /// `owner` is whose memory the frames are. Settings and executor must outlive the session's work, which is over
   /// after `ended`. Later only jobs that are still in the queue may use the session.
-  StreamSession(const StreamSettings& settings, std::string client, FrameExecutor& executor,
-                std::function<void()> wake);
+  StreamSession(const StreamSettings& settings, MemoryOwner owner, FrameExecutor& executor, std::function<void()> wake);
 
   /// May take parts of the message.
   void on_message(v1::SegmentStreamRequest& message);
@@ -97,7 +100,7 @@ class StreamSession : public std::enable_shared_from_this<StreamSession> {
   void compute(const StreamFramePointer& frame, SegmentationBackend& backend);
 
   const StreamSettings& settings_;
-  const std::string client_;
+  const MemoryOwner owner_;
   const std::function<void()> wake_;
 
   mutable Mutex mutex_;

@@ -9,27 +9,13 @@ import unittest
 import grpc
 
 from harness import EndToEnd
+from messages import MIB, OPEN, UNKNOWN, delimited, varint
 
-MIB = 1 << 20
 BUDGET = 256 * MIB
 BOUNDS_MEMORY = os.environ.get("BOUNDS_MEMORY", "1") == "1"
 BEYOND_BUDGET = 128 * MIB  # gRPC's buffers, the program itself, and memory that malloc has not given back
 UNARY = "/segserve.v1.SegmentationService/Segment"
 STREAM = "/segserve.v1.SegmentationService/SegmentStream"
-OPEN = b"\x0a\x00"  # SegmentStreamRequest.open, an empty StreamOpen
-UNKNOWN = b"\xa0\x06\x01"  # field 100, which no message has, is 1
-
-
-def varint(value):
-    out = bytearray()
-    while value >= 0x80:
-        out.append(value & 0x7F | 0x80)
-        value >>= 7
-    return bytes(out + bytes([value]))
-
-
-def delimited(number, content):
-    return varint(number << 3 | 2) + varint(len(content)) + content
 
 
 def lone_points(path, side, step):

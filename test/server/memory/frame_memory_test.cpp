@@ -28,7 +28,7 @@ FrameSize frame_of(std::size_t points, std::size_t voxels) {
 TEST(FrameMemory, GrowsWithTheFrameAndEndsWithItsResult) {
   MemoryLedger ledger(100 * kMegabyte);
   {
-    FrameMemory memory(ledger, "me", kMostVoxels);
+    FrameMemory memory(ledger, {"here", "me"}, kMostVoxels);
     ASSERT_TRUE(memory.receive(kMegabyte).ok());
     EXPECT_EQ(ledger.leased(), kMegabyte);
     ASSERT_TRUE(memory.decode(10'000, 3 * kMegabyte).ok());
@@ -44,7 +44,7 @@ TEST(FrameMemory, GrowsWithTheFrameAndEndsWithItsResult) {
 
 TEST(FrameMemory, AFrameOfTooManyVoxelsIsToldWhichResolutionFits) {
   MemoryLedger ledger(1000 * kMegabyte);
-  FrameMemory memory(ledger, "me", kMostVoxels);
+  FrameMemory memory(ledger, {"here", "me"}, kMostVoxels);
   ASSERT_TRUE(memory.receive(1).ok());
   const absl::Status status = memory.segment(frame_of(100'000, kMostVoxels + 1));
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
@@ -57,7 +57,7 @@ TEST(FrameMemory, AFrameOfTooManyVoxelsIsToldWhichResolutionFits) {
 
 TEST(FrameMemory, AFrameLargerThanTheBudgetIsRefusedForGood) {
   MemoryLedger ledger(20 * kMegabyte);
-  FrameMemory memory(ledger, "me", kMostVoxels);
+  FrameMemory memory(ledger, {"here", "me"}, kMostVoxels);
   ASSERT_TRUE(memory.receive(1).ok());
   const absl::Status status = memory.segment(frame_of(100'000, 40'000));
   const wire::ErrorDetails details = wire::details_of(status);
@@ -65,14 +65,14 @@ TEST(FrameMemory, AFrameLargerThanTheBudgetIsRefusedForGood) {
   EXPECT_EQ(details.metadata.at("limit"), "memory_bytes");
   EXPECT_TRUE(details.metadata.contains("voxel_resolution"));
   EXPECT_FALSE(details.retry_delay);
-  const absl::Status payload = FrameMemory(ledger, "me", kMostVoxels).receive(21 * kMegabyte);
+  const absl::Status payload = FrameMemory(ledger, {"here", "me"}, kMostVoxels).receive(21 * kMegabyte);
   EXPECT_EQ(wire::details_of(payload).reason, wire::ErrorReason::kLimitExceeded) << payload;
 }
 
 TEST(FrameMemory, AFrameThatFitsLaterIsToldToComeAgain) {
   MemoryLedger ledger(20 * kMegabyte);
-  const auto others = ledger.lease("others", 15 * kMegabyte);
-  FrameMemory memory(ledger, "me", kMostVoxels);
+  const auto others = ledger.lease({"elsewhere", "others"}, 15 * kMegabyte);
+  FrameMemory memory(ledger, {"here", "me"}, kMostVoxels);
   const absl::Status status = memory.receive(6 * kMegabyte);
   EXPECT_TRUE(absl::IsResourceExhausted(status)) << status;
   EXPECT_EQ(wire::details_of(status).reason, wire::ErrorReason::kQueueFull);

@@ -15,7 +15,7 @@ namespace {
 
 using std::chrono::seconds;
 
-const std::string kMe = "me", kOther = "other";
+const MemoryOwner kMe{"here", "1"}, kOther{"elsewhere", "2"};
 
 TEST(MemoryLedger, NeverLeasesMoreThanItsBudget) {
   MemoryLedger ledger(100);
@@ -76,7 +76,14 @@ TEST(MemoryLedger, OneThingMayWaitHoweverLargeItIs) {
   EXPECT_TRUE(ledger.lease(kMe, 80));
 }
 
-TEST(MemoryLedger, WhileOthersAreRefusedNobodyGetsMoreThanAShare) {
+/// Both the address and the stream of the other may differ, or the stream only.
+class MemoryLedgerShares : public testing::TestWithParam<MemoryOwner> {};
+
+INSTANTIATE_TEST_SUITE_P(Others, MemoryLedgerShares,
+                         testing::Values(kOther, MemoryOwner{kMe.address, "another stream"}));
+
+TEST_P(MemoryLedgerShares, WhileOthersAreRefusedNobodyGetsMoreThanAShare) {
+  const MemoryOwner other = GetParam();
   MemoryLedger::Time now{};
   now += seconds(100);
   MemoryLedger ledger(100, [&now] { return now; });
@@ -89,17 +96,33 @@ TEST(MemoryLedger, WhileOthersAreRefusedNobodyGetsMoreThanAShare) {
     return true;
   };
   for (int i = 0; i < 9; ++i) EXPECT_TRUE(take(10)) << "nobody else wants any";
-  EXPECT_FALSE(ledger.lease(kOther, 20));
+  EXPECT_FALSE(ledger.is_short());
+  EXPECT_FALSE(ledger.lease(other, 20));
+  EXPECT_TRUE(ledger.is_short());
   mine.resize(6);
   EXPECT_FALSE(take(10)) << "it has more than half of the budget, and another client waits";
-  const auto theirs = ledger.lease(kOther, 20);
+  const auto theirs = ledger.lease(other, 20);
   EXPECT_TRUE(theirs);
   mine.resize(3);
   EXPECT_TRUE(take(10)) << "this is within its half";
   EXPECT_TRUE(take(10));
   EXPECT_FALSE(take(10));
   now += seconds(6);
+  EXPECT_FALSE(ledger.is_short());
   EXPECT_TRUE(take(10)) << "the other client has what it wanted";
+}
+
+TEST(MemoryLedger, ManyStreamsOfOneAddressShareItsPart) {
+  MemoryLedger ledger(100);
+  std::vector<MemoryLease> crowd;
+  for (int i = 0; i < 8; ++i) {
+    crowd.push_back(*ledger.lease({"crowded", std::to_string(i)}, 10));
+    crowd.back().resize(10);
+  }
+  EXPECT_FALSE(ledger.lease(kMe, 30));
+  crowd.resize(5);
+  EXPECT_FALSE(ledger.lease({"crowded", "new"}, 10));
+  EXPECT_TRUE(ledger.lease(kMe, 30));
 }
 
 TEST(AvailableMemory, IsThatOfAMachine) {

@@ -149,7 +149,7 @@ TEST(Session, AFrameHoldsMemoryFromItsHeaderUntilItsResultIsRead) {
 TEST(Session, AFrameThatFindsNoMemoryIsToBeSentAgain) {
   SessionHarness harness;
   harness.open();
-  auto others = harness.ledger.lease("others", SessionHarness::kMemory - 8);
+  auto others = harness.ledger.lease({"elsewhere", "others"}, SessionHarness::kMemory - 8);
   harness.send(SentFrame(1));
   const v1::FrameOutcome outcome = harness.outcome();
   EXPECT_EQ(outcome.kind(), v1::OUTCOME_KIND_FAILED);

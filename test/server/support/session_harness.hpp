@@ -86,7 +86,7 @@ class SessionHarness {
     settings.credit = {.most_per_stream = credit, .default_bytes_per_stream = credit.bytes};
     settings.ledger = &ledger;
     settings.max_voxels = 1000;
-    session = std::make_shared<StreamSession>(settings, "me", executor, [this] { ++wakes; });
+    session = std::make_shared<StreamSession>(settings, MemoryOwner{"here", "me"}, executor, [this] { ++wakes; });
   }
 
   static ServerOptions limited(std::uint32_t threads = 1) {
