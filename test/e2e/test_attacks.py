@@ -4,12 +4,13 @@ import array
 import os
 import queue
 import threading
+import time
 import unittest
 
 import grpc
 
 from harness import EndToEnd
-from messages import MIB, OPEN, UNKNOWN, delimited, varint
+from messages import MIB, OPEN, UNKNOWN, delimited, file_request, varint, zstd_of_repeated
 
 BUDGET = 256 * MIB
 BOUNDS_MEMORY = os.environ.get("BOUNDS_MEMORY", "1") == "1"
@@ -129,6 +130,18 @@ class Attacks(EndToEnd):
         resolution = line.split("a voxel_resolution of ")[1].split()[0]
         self.run_well("segment", cloud, "--server", self.server.address, "-o", self.path("out.pcd"), "--quiet",
                       "--voxel-resolution", resolution, "--seed-resolution", str(4 * float(resolution)))
+
+    def test_headers_of_files_have_a_length(self):
+        for size in (100 * MIB, 500 * MIB):
+            began = time.monotonic()
+            for code, _ in self.refusals(file_request(zstd_of_repeated(b"\n", size), size), 4):
+                self.assertIn(code, (grpc.StatusCode.INVALID_ARGUMENT, grpc.StatusCode.RESOURCE_EXHAUSTED))
+            self.assertLess(time.monotonic() - began, 10)
+        many_fields = b"VERSION 0.7\nFIELDS " + b"a " * (3 * MIB)
+        began = time.monotonic()
+        for code, text in self.refusals(file_request(many_fields), 4):
+            self.assertEqual(code, grpc.StatusCode.INVALID_ARGUMENT, text)
+        self.assertLess(time.monotonic() - began, 5)
 
     def test_a_frame_header_alone_holds_no_memory(self):
         header = delimited(2, b"\x08\x01" + delimited(5, b"") + b"\x30" + varint(30 * MIB))

@@ -11,17 +11,12 @@ import unittest
 import http2
 import pcd
 from harness import SEGCTL, EndToEnd
-from messages import MIB, OPEN, delimited, varint
+from messages import MIB, OPEN, delimited, file_request, varint
 
 IS_FAST = os.environ.get("BOUNDS_MEMORY", "1") == "1"  # not under a sanitizer
 SECONDS = int(os.environ.get("ATTACK_SECONDS", "4"))
 UNARY = "/segserve.v1.SegmentationService/Segment"
 STREAM = "/segserve.v1.SegmentationService/SegmentStream"
-
-
-def file_request(content):
-    """A SegmentRequest with a cloud in a PCD file."""
-    return delimited(16, delimited(17, delimited(1, delimited(3, content))))
 
 
 def frame_of_file(sequence, content):
