@@ -77,7 +77,7 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
 
   // All calls on one connection count as one client's: many programs share an address, and names can be made up.
   JobInfo info{.client = context_.peer(), .points = settings.estimated_points, .bytes = bytes};
-  Job job{.run = [this, settings = std::move(settings)](std::size_t worker) { run(worker, settings); },
+  Job job{.run = [this, settings](std::size_t worker) { run(worker, settings); },
           .evicted =
               [this] { finish(catch_exceptions([&] { return evicted_from_queue(service_.pool_.retry_delay()); })); }};
   const auto submitted = service_.pool_.submit(std::move(info), std::move(job));

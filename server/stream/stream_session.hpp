@@ -36,7 +36,7 @@ struct StreamSettings {
   v1::StreamOpened greeting = {};                  ///< the answer to StreamOpen without the credit
   std::chrono::milliseconds upload_timeout{5000};  ///< between two chunks of a frame
   /// A frame's upload may take `upload_grace` and the time of its bytes at this rate, bytes per second.
-  std::uint64_t least_upload_rate = 16 * 1024;
+  std::uint64_t least_upload_rate = std::uint64_t{16} << 10U;
   std::chrono::milliseconds upload_grace{10'000};
   /// For the client to read a message; the shorter one while others find no memory.
   std::chrono::milliseconds result_timeout{30'000}, short_result_timeout{3'000};
