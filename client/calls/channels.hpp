@@ -15,8 +15,8 @@ namespace segserve::client {
 /// connection.
 class Channels {
  public:
-  /// Channels are made when they are used first.
-  explicit Channels(std::vector<std::string> addresses);
+  /// Channels are made when they are used first. `use_proxy` as in ClientOptions.
+  Channels(std::vector<std::string> addresses, bool use_proxy);
   /// Uses a channel that the caller made; `address` serves messages only.
   Channels(std::string address, std::shared_ptr<grpc::Channel> channel);
 
@@ -31,6 +31,7 @@ class Channels {
  private:
   const std::vector<std::string> addresses_;
   const bool made_here_;
+  const bool use_proxy_;
   Mutex mutex_;
   std::vector<std::shared_ptr<grpc::Channel>> channels_ ABSL_GUARDED_BY(mutex_);  // null until they are used
   std::size_t starts_ ABSL_GUARDED_BY(mutex_) = 0;

@@ -84,7 +84,7 @@ absl::StatusOr<Client> Client::connect(ClientOptions options) {
   if (options.timeout <= std::chrono::milliseconds::zero()) {
     return absl::InvalidArgumentError(fmt::format("timeout: {} ms is not above 0", options.timeout.count()));
   }
-  auto channels = std::make_shared<Channels>(std::move(addresses));
+  auto channels = std::make_shared<Channels>(std::move(addresses), options.use_proxy);
   return Client(std::make_shared<const State>(std::move(channels), std::move(options)));
 }
 

@@ -15,16 +15,18 @@ void ServerFlags::add_to(CLI::App& app, double default_timeout_s) {
   const bool has_environment = from_environment != nullptr && *from_environment != '\0';
   address_ = has_environment ? from_environment : client::ClientOptions{}.address;
   timeout_s_ = default_timeout_s;
-  server_option_ =
-      app.add_option("--server", address_,
-                     "address of the server, host:port; several are separated by commas; also from SEGCTL_SERVER")
-          ->type_name("ADDRESS")
-          ->capture_default_str()
-          ->group("Server");
+  server_option_ = app.add_option("--server", address_,
+                                  "address of the server, host:port (default port: 50051); several are separated by "
+                                  "commas; also from SEGCTL_SERVER")
+                       ->type_name("ADDRESS")
+                       ->capture_default_str()
+                       ->group("Server");
   timeout_option_ = app.add_option("--timeout", timeout_s_, "give up after this many seconds")
                         ->type_name("SECONDS")
                         ->capture_default_str()
                         ->group("Server");
+  app.add_flag("--use-proxy", use_proxy_, "connect through the proxy of the environment, but never to this machine")
+      ->group("Server");
 }
 
 absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {
@@ -37,7 +39,8 @@ absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {
 
 absl::StatusOr<client::Client> ServerFlags::connect(bool fallback_to_local) const {
   ASSIGN_OR_RETURN(const auto limit, timeout());
-  return client::Client::connect({.address = address_, .timeout = limit, .fallback_to_local = fallback_to_local});
+  return client::Client::connect(
+      {.address = address_, .timeout = limit, .fallback_to_local = fallback_to_local, .use_proxy = use_proxy_});
 }
 
 void warn_of_fallback(const std::string& address) {

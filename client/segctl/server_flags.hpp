@@ -10,7 +10,7 @@
 
 namespace segserve::segctl {
 
-/// The flags --server and --timeout. It must outlive the parsing of the command line.
+/// The flags --server, --timeout and --use-proxy. It must outlive the parsing of the command line.
 class ServerFlags {
  public:
   /// The address is that of --server, else that of the environment variable SEGCTL_SERVER, else 127.0.0.1:50051.
@@ -28,6 +28,7 @@ class ServerFlags {
  private:
   std::string address_;
   double timeout_s_ = 0;
+  bool use_proxy_ = false;
   CLI::Option* server_option_ = nullptr;
   CLI::Option* timeout_option_ = nullptr;
 };

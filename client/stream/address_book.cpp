@@ -2,7 +2,10 @@
 #include "client/stream/address_book.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 
+#include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 
 namespace segserve::client {
@@ -14,6 +17,33 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t") - begin + 1);
 }
 
+/// Whether gRPC resolves the name by a rule of its own, instead of as HOST:PORT.
+bool has_resolver(std::string_view address) {
+  constexpr std::array<std::string_view, 7> kSchemes{
+      "dns:", "unix:", "unix-abstract:", "ipv4:", "ipv6:", "passthrough:", "xds:"};
+  return std::ranges::any_of(kSchemes, [address](std::string_view scheme) { return address.starts_with(scheme); });
+}
+
+absl::StatusOr<std::string> with_port(std::string_view address) {
+  constexpr std::string_view kDefaultPort = "50051";
+  if (has_resolver(address)) return std::string(address);
+  if (address.find("://") != std::string_view::npos || address.find('/') != std::string_view::npos) {
+    return absl::InvalidArgumentError(fmt::format(
+        "'{}' is a URL; the address of a server is HOST:PORT, such as 127.0.0.1:{}", address, kDefaultPort));
+  }
+  const bool is_bare_ipv6 = !address.starts_with('[') && std::ranges::count(address, ':') > 1;
+  if (is_bare_ipv6) return fmt::format("[{}]:{}", address, kDefaultPort);
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos || address.ends_with(']')) return fmt::format("{}:{}", address, kDefaultPort);
+  unsigned port = 0;
+  const char* const end = address.data() + address.size();
+  const auto parsed = std::from_chars(address.data() + colon + 1, end, port);
+  if (parsed.ec != std::errc{} || parsed.ptr != end || port == 0 || port > 65535) {
+    return absl::InvalidArgumentError(fmt::format("the port of '{}' is no number from 1 to 65535", address));
+  }
+  return std::string(address);
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<std::string>> parse_addresses(std::string_view text) {
@@ -23,7 +53,7 @@ absl::StatusOr<std::vector<std::string>> parse_addresses(std::string_view text) 
     const std::size_t end = std::min(text.find(',', begin), text.size());
     const std::string_view address = trimmed(text.substr(begin, end - begin));
     if (address.empty()) return absl::InvalidArgumentError(fmt::format("there is an empty address in '{}'", text));
-    addresses.emplace_back(address);
+    ASSIGN_OR_RETURN(addresses.emplace_back(), with_port(address));
     begin = end + 1;
   }
   return addresses;

@@ -15,9 +15,9 @@
 
 namespace segserve::client {
 
-/// Splits a list at its commas: "a:1, b:2" holds two addresses. A name that gRPC resolves ("dns:///name:50051",
-/// "unix:/path") is one address even if it stands for many servers. INVALID_ARGUMENT if there is no address, or one of
-/// them is empty.
+/// Splits a list at its commas: "a:1, b:2" holds two addresses. A host without a port gets the default one, 50051. A
+/// name that gRPC resolves ("dns:///name:50051", "unix:/path") is one address even if it stands for many servers.
+/// INVALID_ARGUMENT if there is no address, or one of them is empty, a URL, or has no number as its port.
 absl::StatusOr<std::vector<std::string>> parse_addresses(std::string_view text);
 
 /// The random time to wait before the `attempt`-th repetition, counted from 1: see RetryOptions. `asked_for` is the

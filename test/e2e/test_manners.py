@@ -139,6 +139,15 @@ class Servers(EndToEnd):
         scene = self.synth("--width", "64", "--height", "48")
         self.run_well("segment", scene, "--local", environment=nobody)
 
+    def test_a_proxy_of_the_environment_is_not_used_for_this_machine(self):
+        proxies = {name: "http://127.0.0.1:9" for name in ("http_proxy", "https_proxy", "grpc_proxy")}
+        for flags in ((), ("--use-proxy",)):
+            self.run_well("health", "--server", self.server.address, *flags, environment=proxies)
+
+    def test_a_url_is_no_address(self):
+        line = self.run_badly(BAD_INPUT, "health", "--server", "http://127.0.0.1:50051")
+        self.assertIn("'http://127.0.0.1:50051' is a URL; the address of a server is HOST:PORT", line)
+
     def test_health_as_text_and_json(self):
         flags = ("health", "--server", self.server.address)
         self.assertEqual(self.run_well(*flags).stdout.decode(), f"{self.server.address} is SERVING\n")

@@ -18,6 +18,21 @@ TEST(Addresses, AreSeparatedByCommas) {
   }
 }
 
+TEST(Addresses, WithoutAPortHaveTheDefaultOne) {
+  EXPECT_THAT(*parse_addresses("robot,10.0.0.7,[::1],fe80::1"),
+              ElementsAre("robot:50051", "10.0.0.7:50051", "[::1]:50051", "[fe80::1]:50051"));
+  EXPECT_THAT(*parse_addresses("[::1]:7"), ElementsAre("[::1]:7"));
+}
+
+TEST(Addresses, UrlsAndPortsThatAreNoneAreRefused) {
+  for (const char* wrong : {"http://robot:50051", "grpc://robot", "robot:50051/v1", "robot:", "robot:port", "robot:0",
+                            "robot:65536", "robot:-1"}) {
+    const absl::Status status = parse_addresses(wrong).status();
+    EXPECT_TRUE(absl::IsInvalidArgument(status)) << wrong;
+    EXPECT_NE(status.message().find(wrong), std::string::npos) << status;
+  }
+}
+
 TEST(Backoff, DoublesUpToALimitWithJitterAndObeysTheServer) {
   const RetryOptions retry{.first_backoff = milliseconds(100), .max_backoff = milliseconds(1000)};
   std::minstd_rand random(3);

@@ -28,7 +28,8 @@ class GetServerInfoResponse;
 namespace segserve::client {
 
 struct ClientOptions {
-  /// Where the servers listen: host:port, or any other name that gRPC resolves. Several are separated by commas
+  /// Where the servers listen: host:port (without a port: 50051), or any other name that gRPC resolves. Several are
+  /// separated by commas
   /// ("a:50051,b:50051"). A name that stands for many servers ("dns:///segserve:50051") is used in turn.
   std::string address = "127.0.0.1:50051";
   /// The deadline of a call that sets none of its own, all its repetitions included; above 0. The server stops
@@ -40,6 +41,9 @@ struct ClientOptions {
   RetryOptions retry = {};
   /// Whether segment() computes in this process when no address is in reach.
   bool fallback_to_local = false;
+  /// Whether connections beyond this machine go through the proxy that the environment names (http_proxy, https_proxy,
+  /// grpc_proxy, no_proxy), if it names one.
+  bool use_proxy = false;
 };
 
 /// When the planes of a cloud are compressed, without loss, before they are sent.
