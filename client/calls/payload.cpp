@@ -75,7 +75,8 @@ Payload rgbd_payload(codec::RgbdFiles images) {
 absl::StatusOr<codec::LabeledCloud> decode(const Payload& payload, const StopToken& stop) {
   const v1::Cloud message = message_of(payload);
   ASSIGN_OR_RETURN(wire::DecodedCloud decoded, wire::decode_cloud(message, {.draco = true}, stop));
-  return codec::LabeledCloud{std::move(decoded.cloud).to_cloud(), {}, std::move(decoded.view_rule)};
+  return codec::LabeledCloud{
+      std::move(decoded.cloud).to_cloud(), {}, std::move(decoded.view_rule), std::move(decoded.warnings)};
 }
 
 }  // namespace segserve::client

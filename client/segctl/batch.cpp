@@ -125,20 +125,26 @@ absl::Status Batch::write(Scene& scene, const client::Result& result) const {
 void Batch::complete(Scene scene, const absl::StatusOr<client::Result>& result) {
   const absl::Status status = result.ok() ? write(scene, *result) : result.status();
   if (!status.ok()) return progress_.record_failure(scene.file, status);
-  progress_.record(
-      scene.file,
-      {FileOutcome::State::kSegmented, result->points, result->segmentation.segments, result->in_this_process, {}});
+  progress_.record(scene.file, {FileOutcome::State::kSegmented,
+                                result->points,
+                                result->segmentation.segments,
+                                result->in_this_process,
+                                {},
+                                result->warnings});
 }
 
 /// Segments the points as they are or, with a codec, as a server would see them.
 absl::StatusOr<client::Result> Batch::segment_here(const codec::LabeledCloud& content) const {
   const wire::Outputs outputs{.segments = job_.request.segments};
   if (!job_.request.codec) {
-    return client::segment_here(content.cloud, content.view_rule, job_.request.options, outputs, StopToken());
+    ASSIGN_OR_RETURN(auto result, client::segment_here(content.cloud, content.view_rule, job_.request.options, outputs,
+                                                       StopToken()));
+    take_file_facts(content, result);
+    return result;
   }
   ASSIGN_OR_RETURN(const auto payload, client::cloud_payload(content.cloud, *job_.request.codec));
   ASSIGN_OR_RETURN(auto result, client::segment_here(payload, job_.request.options, outputs, StopToken()));
-  result.view_rule = content.view_rule;
+  take_file_facts(content, result);
   return result;
 }
 
@@ -206,7 +212,7 @@ void Batch::run_remotely() {
   while (auto outcome = stream->next()) {
     Scene scene = sent_.take(outcome->sequence);
     if (outcome->result) {
-      outcome->result->view_rule = scene.content.view_rule;  // The server knows only the view, not how it was found.
+      take_file_facts(scene.content, *outcome->result);
       complete(std::move(scene), *std::move(outcome->result));
     } else {
       progress_.record_failure(scene.file, outcome->status);

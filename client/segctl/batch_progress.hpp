@@ -9,6 +9,7 @@
 #include "absl/status/status.h"
 #include "client/segctl/progress_bar.hpp"
 #include "core/base/mutex.hpp"
+#include "segserve/codec/warning.hpp"
 
 namespace segserve::segctl {
 
@@ -16,10 +17,11 @@ namespace segserve::segctl {
 struct FileOutcome {
   enum class State { kOpen, kSkipped, kSegmented, kFailed };
   State state = State::kOpen;
-  std::size_t points = 0;        ///< Skipped and segmented files only.
-  std::uint32_t segments = 0;    ///< Skipped and segmented files only.
-  bool in_this_process = false;  ///< Whether it was segmented without a server.
-  absl::Status status;           ///< Failed files only: why.
+  std::size_t points = 0;                     ///< Skipped and segmented files only.
+  std::uint32_t segments = 0;                 ///< Skipped and segmented files only.
+  bool in_this_process = false;               ///< Whether it was segmented without a server.
+  absl::Status status;                        ///< Failed files only: why.
+  std::vector<codec::Warning> warnings = {};  ///< Segmented files only.
 };
 
 /// Hands out the files of a batch to several threads, collects the outcomes, and shows a progress bar.

@@ -8,6 +8,7 @@
 #include "client/segctl/messages.hpp"
 #include "client/segctl/server_flags.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "client/segctl/summary.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
@@ -37,6 +38,7 @@ Json to_json(const BatchInput& input, const FileOutcome& outcome) {
           {"output", has_output ? Json(input.cloud_path) : Json()},
           {"points", has_output ? Json(outcome.points) : Json()},
           {"segments", has_output ? Json(outcome.segments) : Json()},
+          {"warnings", warnings_json(outcome.warnings)},
           {"error", has_output ? Json() : Json(message_of(outcome.status))}};
 }
 
@@ -55,6 +57,11 @@ absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& o
                                 count(State::kSkipped), count(State::kFailed)));
   }
   RETURN_IF_ERROR(output.commit());
+  for (std::size_t i = 0; i < outcomes.size() && !job.quiet; ++i) {
+    for (const codec::Warning& warning : outcomes[i].warnings) {
+      print_warning(fmt::format("{}: {}", job.inputs[i].path, warning.message));
+    }
+  }
 
   bool only_bad_input = true;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {

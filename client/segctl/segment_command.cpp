@@ -118,7 +118,7 @@ absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& argument
   call.outputs.compression = answer_compression(job.request.codec);
   if (job.payload) return client.segment_payload(*job.payload, job.request.options, call);
   ASSIGN_OR_RETURN(auto result, client.segment(job.scene->cloud, job.request.options, call));
-  result.view_rule = job.scene->view_rule;  // The server knows only the view, not how it was found.
+  take_file_facts(*job.scene, result);
   return result;
 }
 
@@ -126,9 +126,11 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
   std::optional<StopToken::Clock::time_point> deadline;
   if (arguments.server.timeout_given()) deadline = StopToken::Clock::now() + *arguments.server.timeout();
   const StopToken stop(nullptr, deadline);
-  const auto segment = [&](const Cloud& cloud) {
-    return client::segment_here(cloud, job.scene->view_rule, job.request.options, {.segments = job.request.segments},
-                                stop);
+  const auto segment = [&](const Cloud& cloud) -> absl::StatusOr<client::Result> {
+    ASSIGN_OR_RETURN(auto result, client::segment_here(cloud, job.scene->view_rule, job.request.options,
+                                                       {.segments = job.request.segments}, stop));
+    take_file_facts(*job.scene, result);
+    return result;
   };
   if (!job.request.codec || job.payload) return segment(job.scene->cloud);
   // The points as a server would see them.

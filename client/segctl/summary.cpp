@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "client/segctl/messages.hpp"
 #include "client/segctl/view_flag.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -84,6 +85,19 @@ std::string timings_text(const Summary& summary) {
 
 }  // namespace
 
+void take_file_facts(const codec::LabeledCloud& file, client::Result& result) {
+  result.view_rule = file.view_rule;
+  result.warnings = file.warnings;
+}
+
+Json warnings_json(const std::vector<codec::Warning>& warnings) {
+  Json json = Json::array();
+  for (const codec::Warning& warning : warnings) {
+    json.push_back({{"reason", name(warning.reason)}, {"message", warning.message}});
+  }
+  return json;
+}
+
 std::vector<Timing> stage_timings(const client::Result& result) {
   const client::Result& r = result;
   const StageTimings& stages = r.segmentation.timings;
@@ -116,6 +130,7 @@ Json to_json(const Summary& summary) {
   json["lambda"] = result.segmentation.lambda;
   json["view"] = view_text(result.view);
   json["view_rule"] = result.view_rule;
+  json["warnings"] = warnings_json(result.warnings);
   json["options_hash"] = result.options_hash;
   json["server"] = text_or_null(summary.server);
   json["version"] = result.server_version;
@@ -135,12 +150,18 @@ std::string to_text(const Summary& summary) {
   text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
                       result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",
                       sizes_text(segmentation));
-  return text + timings_text(summary) + "\n";
+  text += timings_text(summary) + "\n";
+  for (const codec::Warning& warning : result.warnings) text += fmt::format("warning: {}\n", warning.message);
+  return text;
 }
 
 absl::Status report(const Summary& summary, const JsonFlag& json, bool quiet, StagedOutput& output) {
   json.add(output, to_json(summary));
-  if (!quiet && !output.uses_stdout()) output.add("-", to_text(summary));
+  if (!quiet && !output.uses_stdout()) {
+    output.add("-", to_text(summary));
+  } else if (!quiet && !json.given()) {
+    for (const codec::Warning& warning : summary.result.warnings) print_warning(warning.message);
+  }
   return output.commit();
 }
 

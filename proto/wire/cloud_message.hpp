@@ -11,6 +11,7 @@
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
+#include "segserve/codec/warning.hpp"
 #include "segserve/options.hpp"
 #include "segserve/v1/cloud.pb.h"
 
@@ -49,8 +50,9 @@ std::vector<FieldViolation> violations(const v1::Cloud& message);
 
 /// A cloud that was decoded from a message.
 struct DecodedCloud {
-  BorrowingCloud cloud;   ///< its planes may lie in the message, which must outlive it
-  std::string view_rule;  ///< one line for people that says why the cloud has its view
+  BorrowingCloud cloud;                       ///< its planes may lie in the message, which must outlive it
+  std::string view_rule;                      ///< one line for people that says why the cloud has its view
+  std::vector<codec::Warning> warnings = {};  ///< what the payload has that was not used
 };
 
 /// Decodes the payload of a message. The sizes that it claims are compared with the limits before anything is

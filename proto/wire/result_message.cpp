@@ -59,6 +59,11 @@ void fill_summary(const Result& result, v1::ResultSummary& summary) {
   summary.set_lambda(segmentation.lambda);
   *summary.mutable_view() = to_message(result.view);
   summary.set_view_rule(result.view_rule);
+  for (const codec::Warning& warning : result.warnings) {
+    v1::Warning& message = *summary.add_warnings();
+    message.set_reason(std::string(name(warning.reason)));
+    message.set_message(warning.message);
+  }
   summary.set_server_version(result.server_version);
   summary.set_options_hash(result.options_hash);
   fill_timings(result.timings, segmentation.timings, *summary.mutable_timings());
@@ -116,6 +121,9 @@ absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_
   if (summary.has_regions()) result.regions = summary.regions();
   result.view = *view;
   result.view_rule = summary.view_rule();
+  for (const v1::Warning& warning : summary.warnings()) {
+    result.warnings.push_back({codec::warning_reason(warning.reason()), warning.message()});
+  }
   result.server_version = summary.server_version();
   result.options_hash = summary.options_hash();
   return result;

@@ -93,7 +93,7 @@ absl::StatusOr<v1::SegmentationResult> compute_until(const v1::Cloud& payload, c
                                                      FrameMemory& memory) {
   const Clock::time_point decode_start = Clock::now();
   RETURN_IF_ERROR(stop.check());
-  ASSIGN_OR_RETURN(const wire::DecodedCloud decoded, decode_within(payload, settings, stop, memory));
+  ASSIGN_OR_RETURN(wire::DecodedCloud decoded, decode_within(payload, settings, stop, memory));
   const Clock::time_point decode_end = Clock::now();
 
   ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded.cloud, settings, stop, backend, memory));
@@ -101,6 +101,7 @@ absl::StatusOr<v1::SegmentationResult> compute_until(const v1::Cloud& payload, c
   const Clock::time_point encode_start = Clock::now();
   wire::Result result =
       wire::make_result(std::move(segmentation), decoded.cloud, settings.options, decoded.view_rule, kVersion);
+  result.warnings = std::move(decoded.warnings);
   result.timings.queue = milliseconds(decode_start - settings.arrival);
   result.timings.decode = milliseconds(decode_end - decode_start);
   ASSIGN_OR_RETURN(v1::SegmentationResult message, wire::to_message(result, settings.outputs));

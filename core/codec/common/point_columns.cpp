@@ -38,23 +38,68 @@ void read_packed(const Column& column, StopCheck& check, std::vector<std::uint32
   });
 }
 
-/// Clamps a value to 0 to 255. NaN becomes 0.
-template <typename T>
-std::uint32_t to_channel(T value) {
-  if constexpr (std::is_floating_point_v<T>) {
-    if (!(value > 0)) return 0;  // The comparison is false for NaN.
-    return value < 255 ? static_cast<std::uint32_t>(std::lround(value)) : 255;
-  } else if constexpr (sizeof(T) == 1 && std::is_unsigned_v<T>) {
-    return value;
-  } else {
-    return static_cast<std::uint32_t>(
-        std::clamp(value, T{0}, static_cast<T>(std::min<std::uint64_t>(255, std::numeric_limits<T>::max()))));
-  }
+/// The largest value that is finite, and whether all values are multiples of 256.
+struct ChannelRange {
+  double largest = 0;
+  bool multiples_of_256 = true;
+};
+
+void extend(ChannelRange& range, const Column& column, std::size_t points, StopCheck& check) {
+  for_each_value(column, points, check, [&range](std::size_t /*i*/, auto value) {
+    const auto number = static_cast<double>(value);
+    if (!std::isfinite(number)) return;
+    range.largest = std::max(range.largest, number);
+    range.multiples_of_256 = range.multiples_of_256 && std::fmod(number, 256) == 0;
+  });
+}
+
+/// What a channel's values are multiplied by so that full intensity becomes 255. Floats up to about 1 have 1 as full
+/// intensity. Far above 255 it is 65535, as in LAS files; some writers multiply 8 bits by 256 instead of 257. A little
+/// above 255, and beyond 16 bits, a value is taken as a slip among bytes, and clamped.
+double channel_scale(const ChannelRange& range, ScalarType type) {
+  constexpr double kAboutOne = 1.5, kFarAboveBytes = 1023, kSixteenBits = 65535;
+  if (is_float(type) && range.largest <= kAboutOne) return 255;
+  if (range.largest <= kFarAboveBytes || range.largest > kSixteenBits) return 1;
+  return range.multiples_of_256 ? 1.0 / 256 : 1.0 / 257;
+}
+
+/// Rounds to 0 to 255. NaN becomes 0.
+std::uint32_t to_channel(double value) {
+  if (!(value > 0)) return 0;  // The comparison is false for NaN.
+  return value < 255 ? static_cast<std::uint32_t>(std::lround(value)) : 255;
 }
 
 /// Sets one of the three bytes of each color, which must be 0 before.
-void read_channel(const Column& column, unsigned shift, StopCheck& check, std::vector<std::uint32_t>& out) {
-  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] |= to_channel(value) << shift; });
+template <typename Convert>
+void read_channel(const Column& column, unsigned shift, StopCheck& check, std::vector<std::uint32_t>& out,
+                  Convert convert) {
+  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] |= convert(value) << shift; });
+}
+
+/// Whether the values of the channel are bytes. Those of a signed type are the same eight bits.
+bool is_byte(const Column& column) { return size_of(column.type) == 1; }
+
+void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, StopCheck& check,
+                   std::vector<std::uint32_t>& out) {
+  constexpr std::array<unsigned, 3> kShifts{16, 8, 0};
+  if (kind == ChannelKind::kIntensity && std::ranges::all_of(columns, is_byte)) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      read_channel(columns[i], kShifts[i], check, out,
+                   [](auto value) { return std::uint32_t{static_cast<std::uint8_t>(value)}; });
+    }
+    return;
+  }
+  double scale = 255 * 0.28209479177387814, offset = 127.5;  // Y, and 1/2
+  if (kind == ChannelKind::kIntensity) {
+    ChannelRange range;
+    for (const Column& column : columns) extend(range, column, out.size(), check);
+    scale = channel_scale(range, columns[0].type);
+    offset = 0;
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    read_channel(columns[i], kShifts[i], check, out,
+                 [scale, offset](auto value) { return to_channel(static_cast<double>(value) * scale + offset); });
+  }
 }
 
 /// The label, or nullopt if it is not a 32-bit integer. Negative labels and NaN become 0, because other programs mark
@@ -70,50 +115,24 @@ std::optional<std::uint32_t> to_label(T value) {
   return static_cast<std::uint32_t>(value);
 }
 
-absl::Status read_label(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
+/// Leaves the cloud without labels, and warns, if one of them is no label.
+void read_label(const Column& column, std::size_t points, StopCheck& check, LabeledCloud& out) {
+  out.label.resize(points);
   std::string fault;
-  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) {
+  for_each_value(column, points, check, [&](std::size_t i, auto value) {
     const auto label = to_label(value);
     if (!label && fault.empty()) {
-      fault = fmt::format("point {} (counted from 0) has the label {}, which is not a 32-bit integer", i, value);
+      fault = fmt::format("the labels are not used: point {} (counted from 0) has {}, which is no 32-bit integer", i,
+                          value);
     }
-    out[i] = label.value_or(0);
+    out.label[i] = label.value_or(0);
   });
-  return fault.empty() ? absl::OkStatus() : absl::InvalidArgumentError(fault);
+  if (fault.empty()) return;
+  out.label.clear();
+  out.warnings.push_back({WarningReason::kLabelNotUsed, fault});
 }
 
 }  // namespace
-
-std::vector<std::size_t> FieldRoles::fields() const {
-  std::vector<std::size_t> all(position.begin(), position.end());
-  if (packed) all.push_back(*packed);
-  if (channels) all.insert(all.end(), channels->begin(), channels->end());
-  if (label) all.push_back(*label);
-  return all;
-}
-
-absl::StatusOr<std::optional<std::size_t>> find_unique(const std::vector<std::string_view>& names,
-                                                       std::string_view name) {
-  const auto first = std::find(names.begin(), names.end(), name);
-  if (first == names.end()) return std::nullopt;
-  if (std::find(first + 1, names.end(), name) != names.end()) {
-    return absl::InvalidArgumentError(fmt::format("'{}' occurs twice", name));
-  }
-  return static_cast<std::size_t>(first - names.begin());
-}
-
-absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_triple(const std::vector<std::string_view>& names,
-                                                                      const std::array<std::string_view, 3>& wanted) {
-  std::array<std::size_t, 3> found{};
-  bool complete = true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    ASSIGN_OR_RETURN(const std::optional<std::size_t> index, find_unique(names, wanted[i]));
-    complete = complete && index.has_value();
-    found[i] = index.value_or(0);
-  }
-  if (!complete) return std::nullopt;
-  return found;
-}
 
 absl::Status read_columns(const FieldRoles& roles, const std::function<Column(std::size_t field)>& column,
                           std::size_t points, LabeledCloud& out, const StopToken& stop) {
@@ -128,12 +147,10 @@ absl::Status read_columns(const FieldRoles& roles, const std::function<Column(st
   if (roles.packed) {
     read_packed(column(*roles.packed), check, cloud.rgb);
   } else if (roles.channels) {
-    for (unsigned i = 0; i < 3; ++i) read_channel(column((*roles.channels)[i]), 16 - 8 * i, check, cloud.rgb);
+    const auto [red, green, blue] = *roles.channels;
+    read_channels({column(red), column(green), column(blue)}, roles.channel_kind, check, cloud.rgb);
   }
-  if (roles.label && !check.stopped()) {
-    out.label.resize(points);
-    RETURN_IF_ERROR(read_label(column(*roles.label), check, out.label));
-  }
+  if (roles.label && !check.stopped()) read_label(column(*roles.label), points, check, out);
   return check.status();
 }
 

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <system_error>
 
 namespace segserve::codec {
@@ -33,12 +34,53 @@ bool convert_float(std::string_view word, T& value) {
   return result.ec == std::errc{} && result.ptr == word.data() + word.size();
 }
 
+/// The character that ends the lines of the text: \r if that ends the first one alone, else \n.
+char line_end(std::string_view text) {
+  const std::size_t first = text.find_first_of("\r\n");
+  const bool is_alone = first != std::string_view::npos && text[first] == '\r' && text.substr(first + 1, 1) != "\n";
+  return is_alone ? '\r' : '\n';
+}
+
+/// The number that Microsoft's C library writes as 1.#QNAN, 1.#SNAN, 1.#IND or 1.#INF, also with zeros behind it.
+template <typename T>
+std::optional<T> microsoft_number(std::string_view word) {
+  const bool is_negative = word.starts_with('-');
+  if (is_negative) word.remove_prefix(1);
+  if (!word.starts_with("1.#")) return std::nullopt;
+  word.remove_prefix(3);
+  if (word.starts_with("QNAN") || word.starts_with("SNAN") || word.starts_with("IND")) {
+    return std::numeric_limits<T>::quiet_NaN();
+  }
+  if (!word.starts_with("INF")) return std::nullopt;
+  return is_negative ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
+}
+
+/// Rounds a number with decimals, if it fits the type.
+template <typename T>
+bool convert_decimals(std::string_view word, T& value) {
+  double number = 0;
+  if (!convert_float(word, number)) return false;
+  number = std::round(number);
+  constexpr double kBelow = static_cast<double>(std::numeric_limits<T>::min());
+  const double above = std::ldexp(1.0, std::numeric_limits<T>::digits);
+  if (!(number >= kBelow && number < above)) return false;
+  value = static_cast<T>(number);
+  return true;
+}
+
 }  // namespace
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  return text;
+}
 
 std::optional<LineReader::Line> LineReader::next() {
   if (offset_ >= text_.size()) return std::nullopt;
   const std::string_view rest = text_.substr(offset_);
-  const std::size_t end = rest.find('\n');
+  if (end_ == '\0') end_ = line_end(rest);
+  const std::size_t end = rest.find(end_);
   const bool terminated = end != std::string_view::npos;
   std::string_view line = rest.substr(0, end);
   offset_ += terminated ? end + 1 : rest.size();
@@ -75,10 +117,14 @@ bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
   if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);  // std::from_chars refuses a '+'.
   return visit_type(type, [&]<typename T>(T value) {
     if constexpr (std::is_floating_point_v<T>) {
-      if (!convert_float(word, value)) return false;
+      if (const auto number = microsoft_number<T>(word)) {
+        value = *number;
+      } else if (!convert_float(word, value)) {
+        return false;
+      }
     } else {
       const auto [end, error] = convert(word, value);
-      if (error != std::errc{} || end != word.data() + word.size()) return false;
+      if ((error != std::errc{} || end != word.data() + word.size()) && !convert_decimals(word, value)) return false;
     }
     std::memcpy(out, &value, sizeof(T));
     return true;

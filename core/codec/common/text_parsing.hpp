@@ -13,7 +13,7 @@
 
 namespace segserve::codec {
 
-/// Walks over the lines of a text and counts them. A line ends in \n or \r\n.
+/// Walks over the lines of a text and counts them. Lines end in \n or \r\n, or in \r if the first one does.
 class LineReader {
  public:
   explicit LineReader(std::string_view text, std::size_t first_line = 1) : text_(text), next_line_(first_line) {}
@@ -32,7 +32,11 @@ class LineReader {
   std::string_view text_;
   std::size_t offset_ = 0;
   std::size_t next_line_;
+  char end_ = '\0';  // the last character of each line; '\0' before the first one
 };
+
+/// The text without a byte order mark of UTF-8 at its beginning.
+std::string_view without_byte_order_mark(std::string_view text);
 
 /// The most values that a text of so many bytes can hold: each takes at least a digit and a delimiter, and the last one
 /// needs no delimiter.
@@ -49,8 +53,16 @@ std::vector<std::string_view> split_words(std::string_view text);
 /// Parses a number of decimal digits only; nullopt for other words, and for numbers beyond 64 bits.
 std::optional<std::uint64_t> parse_count(std::string_view word);
 
+/// The type of a text's numbers. Text is unmistakable, so that integers beyond the type that the header claims are read
+/// as they are, such as 200 in a field of signed bytes.
+constexpr ScalarType text_type(ScalarType type) {
+  if (is_float(type) || type == ScalarType::kUint64) return type;
+  return size_of(type) <= 2 ? ScalarType::kInt32 : ScalarType::kInt64;
+}
+
 /// Parses a number of the type, which may begin with a sign, and writes its `size_of(type)` bytes to `out`. Returns
-/// false if `word` is no such number. An integer must fit the type. A float may be nan or inf; beyond the range of
+/// false if `word` is no such number. An integer must fit the type; it may have decimals, such as 150.0, and is rounded
+/// then. A float may be nan or inf, in Microsoft's spelling too (1.#QNAN, -1.#IND, 1.#INF); beyond the range of
 /// kFloat32 it becomes 0 or infinite, and beyond the range of double it is refused.
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out);
 

@@ -10,6 +10,7 @@
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/point_columns.hpp"
+#include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/pcd/pcd_header.hpp"
 #include "segserve/codec/pcd.hpp"
@@ -89,9 +90,10 @@ absl::Status read_compressed(const PcdHeader& header, std::span<const std::byte>
 
 /// A value of a line of text that is kept.
 struct Slot {
-  std::size_t word = 0;    ///< which word of the line it is
-  std::size_t field = 0;   ///< index of its field
-  std::size_t offset = 0;  ///< bytes from the start of the binary row
+  std::size_t word = 0;                    ///< which word of the line it is
+  std::size_t field = 0;                   ///< index of its field
+  std::size_t offset = 0;                  ///< bytes from the start of the binary row
+  ScalarType type = ScalarType::kFloat32;  ///< in the binary row
 };
 
 /// How a line of text becomes a row of binary values. Only the fields that have a role are kept.
@@ -104,8 +106,9 @@ struct RowPlan {
     const auto wanted = header.roles.fields();
     for (std::size_t i = 0; i < header.fields.size(); ++i) {
       if (std::find(wanted.begin(), wanted.end(), i) != wanted.end()) {
-        slots.push_back({words, i, bytes});
-        bytes += header.fields[i].bytes();
+        const ScalarType type = text_type(header.fields[i].type);
+        slots.push_back({words, i, bytes, type});
+        bytes += size_of(type);
       }
       words += header.fields[i].count;
     }
@@ -126,9 +129,9 @@ absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineR
     }
     if (slot == plan.slots.end() || slot->word != words) continue;
     const PcdField& field = header.fields[slot->field];
-    if (!parse_scalar(word, field.type, row + slot->offset)) {
-      return fault("line {}: {} is not a value of field '{}' ({} of {} bytes)", line.number, quoted(word), field.name,
-                   is_float(field.type) ? "a float" : "an integer", field.bytes());
+    if (!parse_scalar(word, slot->type, row + slot->offset)) {
+      return fault("line {}: {} is not a value of field {} ({} of {} bytes)", line.number, quoted(word),
+                   quoted(field.name), is_float(field.type) ? "a float" : "an integer", field.bytes());
     }
     ++slot;
   }
@@ -138,20 +141,24 @@ absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineR
   return absl::OkStatus();
 }
 
-/// Writes the header.points lines of a text body to `rows`, each as a row of plan.bytes bytes.
+/// Writes the header.points lines of a text body to `rows`, each as a row of plan.bytes bytes. Warns of more lines.
 absl::Status parse_rows(const PcdHeader& header, const RowPlan& plan, std::string_view body, const StopToken& stop,
-                        std::byte* rows) {
+                        std::byte* rows, std::vector<Warning>& warnings) {
   LineReader lines(body, header.body_line);
-  std::size_t read = 0;
+  std::size_t read = 0, left_out = 0;
   StopCheck check(stop);
   while (const auto line = lines.next()) {
     if (check.after(1)) return check.status();
-    if (is_blank(line->text)) continue;
-    if (read == header.points) return fault("line {} is one more than POINTS {} promises", line->number, header.points);
+    if (is_blank(line->text) || line->text.starts_with('#')) continue;
+    if (read == header.points) {
+      ++left_out;
+      continue;
+    }
     RETURN_IF_ERROR(parse_row(header, plan, *line, check, rows + read * plan.bytes));
     ++read;
   }
   if (read != header.points) return fault("it ends after {} of POINTS {}", read, header.points);
+  warn_of_surplus_lines(left_out, warnings);
   return absl::OkStatus();
 }
 
@@ -163,11 +170,11 @@ absl::Status read_ascii(const PcdHeader& header, std::span<const std::byte> body
     return fault("it has {} bytes, but POINTS {} of {} values each need more", body.size(), header.points, plan.words);
   }
   const auto rows = allocate(header.points * plan.bytes);
-  RETURN_IF_ERROR(parse_rows(header, plan, as_text(body), stop, rows.get()));
+  RETURN_IF_ERROR(parse_rows(header, plan, without_byte_order_mark(as_text(body)), stop, rows.get(), out.warnings));
   const auto column = [&](std::size_t field) {
     const auto slot =
         std::find_if(plan.slots.begin(), plan.slots.end(), [&](const Slot& s) { return s.field == field; });
-    return Column{rows.get() + slot->offset, plan.bytes, header.fields[field].type};
+    return Column{rows.get() + slot->offset, plan.bytes, slot->type};
   };
   return read_columns(header.roles, column, header.points, out, stop);
 }
@@ -207,9 +214,11 @@ void choose_view(const PcdHeader& header, const std::optional<View>& given, Labe
 absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                         std::optional<View> view, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes("PCD file: ", bytes.size(), limits));
-  ASSIGN_OR_RETURN(const PcdHeader header, parse_pcd_header(as_text(bytes), limits));
+  const std::string_view file = without_byte_order_mark(as_text(bytes));
+  ASSIGN_OR_RETURN(PcdHeader header, parse_pcd_header(file, limits));
   LabeledCloud out;
-  RETURN_IF_ERROR(read_body(header, bytes.subspan(header.body_offset), limits, stop, out));
+  out.warnings = std::move(header.warnings);
+  RETURN_IF_ERROR(read_body(header, as_bytes(std::span(file.substr(header.body_offset))), limits, stop, out));
   out.cloud.width = header.width;
   out.cloud.height = header.height;
   choose_view(header, view, out);

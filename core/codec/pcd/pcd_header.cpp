@@ -86,17 +86,6 @@ absl::StatusOr<std::optional<std::uint64_t>> read_count(const Entries& entries, 
   return count;
 }
 
-absl::Status check_version(const Entries& entries) {
-  constexpr std::array<std::string_view, 6> kVersions{"0.7", ".7", "0.6", ".6", "0.5", ".5"};
-  const Entry* entry = find_entry(entries, "VERSION");
-  if (entry == nullptr) return absl::OkStatus();
-  if (entry->words.size() != 1 || std::find(kVersions.begin(), kVersions.end(), entry->words[0]) == kVersions.end()) {
-    return fault("VERSION in line {} is {}; it must be 0.5, 0.6 or 0.7", entry->line,
-                 entry->words.empty() ? "missing" : quoted(entry->words[0]));
-  }
-  return absl::OkStatus();
-}
-
 std::optional<ScalarType> scalar_type(std::string_view type, std::string_view size) {
   constexpr std::array<std::pair<std::string_view, ScalarType>, 10> kTypes{{{"F4", ScalarType::kFloat32},
                                                                             {"F8", ScalarType::kFloat64},
@@ -175,7 +164,9 @@ absl::Status read_shape(const Entries& entries, const DecodeLimits& limits, PcdH
   ASSIGN_OR_RETURN(const auto given_height, read_count(entries, "HEIGHT"));
   if (!given_points && !given_width) return fault("POINTS and WIDTH are missing");
   const std::uint64_t width = given_width ? *given_width : *given_points;
-  const std::uint64_t height = given_height.value_or(1);
+  // Some programs write HEIGHT 0 for a cloud that is not organized.
+  const bool is_flat = given_height == 0 && given_points == width;
+  const std::uint64_t height = is_flat ? 1 : given_height.value_or(1);
   constexpr std::uint64_t kMaxSide = std::numeric_limits<std::uint32_t>::max();
   if (width > kMaxSide || height > kMaxSide) {
     return over_limit(
@@ -225,47 +216,13 @@ absl::Status read_encoding(const Entries& entries, PcdHeader& header) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<FieldRoles> find_roles(const std::vector<PcdField>& fields) {
-  std::vector<std::string_view> names;
-  names.reserve(fields.size());
-  for (const PcdField& field : fields) names.emplace_back(field.name);
-  ASSIGN_OR_RETURN(const auto position, find_triple(names, {"x", "y", "z"}));
-  if (!position) return absl::InvalidArgumentError("x, y and z must be there");
-  ASSIGN_OR_RETURN(const auto rgb, find_unique(names, "rgb"));
-  ASSIGN_OR_RETURN(const auto rgba, find_unique(names, "rgba"));
-  ASSIGN_OR_RETURN(const auto channels, find_triple(names, {"r", "g", "b"}));
-  ASSIGN_OR_RETURN(const auto label, find_unique(names, "label"));
-  FieldRoles roles;
-  roles.position = *position;
-  roles.packed = rgb ? rgb : rgba;
-  if (!roles.packed) roles.channels = channels;
-  roles.label = label;
-  return roles;
-}
-
-absl::Status check_roles(const PcdHeader& header) {
-  for (const std::size_t i : header.roles.fields()) {
-    const PcdField& field = header.fields[i];
-    if (field.count != 1) return fault("COUNT of field '{}' is {}; it must be 1", field.name, field.count);
-  }
-  for (const std::size_t i : header.roles.position) {
-    const PcdField& field = header.fields[i];
-    if (!is_float(field.type)) return fault("field '{}' must have TYPE F", field.name);
-  }
-  if (header.roles.packed) {
-    const PcdField& field = header.fields[*header.roles.packed];
-    if (field.bytes() != 4) {
-      return fault("field '{}' is a packed color and must have SIZE 4, not {}", field.name, field.bytes());
-    }
-  }
-  return absl::OkStatus();
-}
-
 absl::Status assign_roles(PcdHeader& header) {
-  auto roles = find_roles(header.fields);
+  std::vector<Field> fields;
+  for (const PcdField& field : header.fields) fields.push_back({field.name, field.type, field.count == 1});
+  auto roles = find_field_roles(fields, header.warnings);
   if (!roles.ok()) return with_prefix("PCD header: FIELDS", roles.status());
   header.roles = *std::move(roles);
-  return check_roles(header);
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -281,7 +238,6 @@ std::size_t PcdHeader::point_bytes() const {
 absl::StatusOr<PcdHeader> parse_pcd_header(std::string_view file, const DecodeLimits& limits) {
   PcdHeader header;
   ASSIGN_OR_RETURN(const Entries entries, split_header(file, header));
-  RETURN_IF_ERROR(check_version(entries));
   RETURN_IF_ERROR(read_fields(entries, limits, header));
   RETURN_IF_ERROR(read_shape(entries, limits, header));
   RETURN_IF_ERROR(read_viewpoint(entries, header));

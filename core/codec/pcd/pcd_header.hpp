@@ -10,7 +10,7 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "core/codec/common/point_columns.hpp"
+#include "core/codec/common/field_roles.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/pcd.hpp"
@@ -32,6 +32,7 @@ struct PcdField {
 struct PcdHeader {
   std::vector<PcdField> fields;
   FieldRoles roles;  ///< indices into `fields`
+  std::vector<Warning> warnings;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::size_t points = 0;            ///< width * height
@@ -46,7 +47,7 @@ struct PcdHeader {
 };
 
 /// Parses the header at the beginning of a PCD file. INVALID_ARGUMENT that names the line and the fault, or the
-/// exceeded limit. Headers beyond header_limits.hpp are refused.
+/// exceeded limit. Headers beyond header_limits.hpp are refused. The VERSION does not matter.
 absl::StatusOr<PcdHeader> parse_pcd_header(std::string_view file, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

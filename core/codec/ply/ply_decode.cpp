@@ -9,6 +9,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/point_columns.hpp"
+#include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/ply/ply_header.hpp"
 #include "segserve/codec/ply.hpp"
@@ -39,6 +40,7 @@ class BinaryValues {
   BinaryValues(std::span<const std::byte> body, std::endian order) : rest_(body), order_(order) {}
 
   std::endian order() const { return order_; }
+  static ScalarType row_type(ScalarType type) { return type; }
   /// Whether the rest of the body is long enough for an element that has properties.
   bool can_hold(const PlyElement& element) const { return element.rows <= rest_.size() / element.least_row_bytes(); }
   bool begin_row() { return true; }
@@ -60,8 +62,8 @@ class BinaryValues {
     rest_ = rest_.subspan(static_cast<std::size_t>(*length) * size_of(property.type));
     return true;
   }
-  /// Bytes behind the last element are ignored.
-  absl::Status check_end() const { return absl::OkStatus(); }
+  /// Bytes behind the last element are ignored, because nothing tells what they are.
+  static std::uint64_t surplus() { return 0; }
   /// Describes the last fault.
   static std::string place() { return "the body is too short, or the length of a list is wrong"; }
 
@@ -73,9 +75,11 @@ class BinaryValues {
 /// Walks over the values of a text body, which has a line for each row.
 class TextValues {
  public:
-  TextValues(std::string_view body, std::size_t first_line) : lines_(body, first_line), bytes_(body.size()) {}
+  TextValues(std::string_view body, std::size_t first_line)
+      : lines_(without_byte_order_mark(body), first_line), bytes_(body.size()) {}
 
   static std::endian order() { return std::endian::native; }
+  static ScalarType row_type(ScalarType type) { return text_type(type); }
   /// Whether the body is long enough for an element that has properties.
   bool can_hold(const PlyElement& element) const {
     return element.rows <= most_values(bytes_) / element.properties.size();
@@ -94,7 +98,7 @@ class TextValues {
   bool scalar(const PlyProperty& property, std::byte* out) {
     const std::string_view word = take_word(line_.text);
     if (word.empty()) return explain(fmt::format("the value of '{}' is missing", property.name));
-    if (out == nullptr || parse_scalar(word, property.type, out)) return true;
+    if (out == nullptr || parse_scalar(word, text_type(property.type), out)) return true;
     return explain(fmt::format("{} is not a value of '{}'", quoted(word), property.name));
   }
   bool skip_list(const PlyProperty& property) {
@@ -106,9 +110,11 @@ class TextValues {
     }
     return true;
   }
-  absl::Status check_end() {
-    const bool more = begin_row();
-    return more ? fault("line {} is one more than the header promises", line_.number) : absl::OkStatus();
+  /// How many rows follow the last element.
+  std::uint64_t surplus() {
+    std::uint64_t rows = 0;
+    while (begin_row()) ++rows;
+    return rows;
   }
   /// Describes the last fault.
   std::string place() const {
@@ -131,13 +137,16 @@ class TextValues {
 struct VertexRows {
   static constexpr std::size_t kSkip = std::numeric_limits<std::size_t>::max();
   std::vector<std::size_t> offset;  ///< where each property begins in a row; kSkip if it has no role
+  std::vector<ScalarType> type;     ///< of each property's values in a row
   std::size_t bytes = 0;            ///< length of a row
   std::unique_ptr<std::byte[]> data;
 
-  VertexRows(const PlyElement& vertex, const FieldRoles& roles) : offset(vertex.properties.size(), kSkip) {
+  VertexRows(const PlyElement& vertex, const FieldRoles& roles, ScalarType (*row_type)(ScalarType))
+      : offset(vertex.properties.size(), kSkip) {
+    for (const PlyProperty& property : vertex.properties) type.push_back(row_type(property.type));
     for (const std::size_t property : roles.fields()) {
       offset[property] = bytes;
-      bytes += size_of(vertex.properties[property].type);
+      bytes += size_of(type[property]);
     }
   }
 };
@@ -165,17 +174,30 @@ absl::Status read_element(const PlyElement& element, Values& values, VertexRows*
   return absl::OkStatus();
 }
 
+/// Walks over what follows the vertices, which is not needed, only to warn if it is not what the header promises.
+template <typename Values>
+void check_rest(const PlyHeader& header, Values& values, std::vector<Warning>& warnings) {
+  for (std::size_t i = header.vertex + 1; i < header.elements.size(); ++i) {
+    if (const absl::Status damage = read_element(header.elements[i], values, nullptr); !damage.ok()) {
+      warnings.push_back(
+          {WarningReason::kRowsNotUsed,
+           fmt::format("what follows the vertices is not used, and damaged: {}", std::string(damage.message()))});
+      return;
+    }
+  }
+  warn_of_surplus_lines(values.surplus(), warnings);
+}
+
 template <typename Values>
 absl::Status read_body(const PlyHeader& header, Values values, LabeledCloud& out) {
   const PlyElement& vertex = header.elements[header.vertex];
-  VertexRows rows(vertex, header.roles);
-  for (const PlyElement& element : header.elements) {
-    RETURN_IF_ERROR(read_element(element, values, &element == &vertex ? &rows : nullptr));
+  VertexRows rows(vertex, header.roles, Values::row_type);
+  for (std::size_t i = 0; i <= header.vertex; ++i) {
+    RETURN_IF_ERROR(read_element(header.elements[i], values, i == header.vertex ? &rows : nullptr));
   }
-  RETURN_IF_ERROR(values.check_end());
+  check_rest(header, values, out.warnings);
   const auto column = [&](std::size_t property) {
-    return Column{rows.data.get() + rows.offset[property], rows.bytes, vertex.properties[property].type,
-                  values.order()};
+    return Column{rows.data.get() + rows.offset[property], rows.bytes, rows.type[property], values.order()};
   };
   return read_columns(header.roles, column, static_cast<std::size_t>(vertex.rows), out);
 }
@@ -197,9 +219,11 @@ absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body,
 absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                         std::optional<View> view) {
   RETURN_IF_ERROR(check_bytes("PLY file: ", bytes.size(), limits));
-  ASSIGN_OR_RETURN(const PlyHeader header, parse_ply_header(as_text(bytes), limits));
+  const std::string_view file = without_byte_order_mark(as_text(bytes));
+  ASSIGN_OR_RETURN(PlyHeader header, parse_ply_header(file, limits));
   LabeledCloud out;
-  RETURN_IF_ERROR(read_body(header, bytes.subspan(header.body_offset), out));
+  out.warnings = std::move(header.warnings);
+  RETURN_IF_ERROR(read_body(header, as_bytes(std::span(file.substr(header.body_offset))), out));
   out.cloud.view = view.value_or(View::world());
   out.view_rule = view ? given_view_rule(*view) : "WORLD without a sensor, because PLY does not tell where it is";
   return out;

@@ -127,46 +127,16 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
   return fault("it ends without a line 'end_header'");
 }
 
-/// Checks the types of the properties. Floats are refused as colors, because nothing in the file tells whether they go
-/// to 1 or to 255.
-absl::Status check_roles(const PlyElement& vertex, const FieldRoles& roles) {
-  for (const std::size_t i : roles.fields()) {
-    if (vertex.properties[i].length_type) return fault("property '{}' must not be a list", vertex.properties[i].name);
-  }
-  for (const std::size_t i : roles.position) {
-    const PlyProperty& property = vertex.properties[i];
-    if (!is_float(property.type)) return fault("property '{}' must be a float or double", property.name);
-  }
-  if (!roles.channels) return absl::OkStatus();
-  for (const std::size_t i : *roles.channels) {
-    const PlyProperty& property = vertex.properties[i];
-    if (is_float(property.type)) return fault("property '{}' must be an integer, 0 to 255", property.name);
-  }
-  return absl::OkStatus();
-}
-
-absl::StatusOr<FieldRoles> find_roles(const PlyElement& vertex) {
-  Words names;
-  for (const PlyProperty& property : vertex.properties) names.emplace_back(property.name);
-  ASSIGN_OR_RETURN(const auto position, find_triple(names, {"x", "y", "z"}));
-  if (!position) return absl::InvalidArgumentError("x, y and z must be there");
-  ASSIGN_OR_RETURN(const auto channels, find_triple(names, {"red", "green", "blue"}));
-  ASSIGN_OR_RETURN(const auto diffuse, find_triple(names, {"diffuse_red", "diffuse_green", "diffuse_blue"}));
-  ASSIGN_OR_RETURN(const auto label, find_unique(names, "label"));
-  ASSIGN_OR_RETURN(const auto scalar_label, find_unique(names, "scalar_Label"));
-  FieldRoles roles;
-  roles.position = *position;
-  roles.channels = channels ? channels : diffuse;
-  roles.label = label ? label : scalar_label;
-  return roles;
-}
-
 absl::Status assign_roles(PlyHeader& header) {
   const PlyElement& vertex = header.elements[header.vertex];
-  auto roles = find_roles(vertex);
+  std::vector<Field> fields;
+  for (const PlyProperty& property : vertex.properties) {
+    fields.push_back({property.name, property.type, !property.length_type});
+  }
+  auto roles = find_field_roles(fields, header.warnings);
   if (!roles.ok()) return with_prefix("PLY header: properties of 'vertex'", roles.status());
   header.roles = *std::move(roles);
-  return check_roles(vertex, header.roles);
+  return absl::OkStatus();
 }
 
 absl::Status find_vertex(const DecodeLimits& limits, PlyHeader& header) {
@@ -192,7 +162,10 @@ std::size_t PlyElement::least_row_bytes() const {
   return sum;
 }
 
-bool is_ply(std::string_view file) { return file.starts_with("ply\n") || file.starts_with("ply\r\n"); }
+bool is_ply(std::string_view file) {
+  file = without_byte_order_mark(file);
+  return file.starts_with("ply\n") || file.starts_with("ply\r");
+}
 
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view file, const DecodeLimits& limits) {
   if (!is_ply(file)) return absl::InvalidArgumentError("not a PLY file: its first line is not 'ply'");

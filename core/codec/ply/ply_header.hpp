@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/codec/common/point_columns.hpp"
+#include "core/codec/common/field_roles.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "segserve/codec/decode_limits.hpp"
 
@@ -39,8 +39,9 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  std::size_t vertex = 0;       ///< index of the element `vertex`
-  FieldRoles roles;             ///< indices into the properties of `vertex`
+  std::size_t vertex = 0;  ///< index of the element `vertex`
+  FieldRoles roles;        ///< indices into the properties of `vertex`
+  std::vector<Warning> warnings;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file
   std::size_t body_line = 1;    ///< number of the body's first line, counted from 1
 };

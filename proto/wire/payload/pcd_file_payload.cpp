@@ -19,7 +19,7 @@ absl::StatusOr<DecodedCloud> decode_pcd_file(const v1::Cloud& message, const std
   ASSIGN_OR_RETURN(auto decoded,
                    with_decode_reason(codec::decode_pcd(std::as_bytes(std::span(bytes)), limits, view, stop)));
   RETURN_IF_ERROR(check_shape_agrees(message, decoded.cloud, "the PCD file"));
-  return DecodedCloud{std::move(decoded.cloud), std::move(decoded.view_rule)};
+  return DecodedCloud{std::move(decoded.cloud), std::move(decoded.view_rule), std::move(decoded.warnings)};
 }
 
 v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view) {

@@ -23,18 +23,15 @@ enum class PlyEncoding : std::uint8_t { kAscii, kBinaryLittleEndian };
 bool is_ply(std::string_view file);
 
 /// Reads the element `vertex` of a PLY file (ascii, or binary of either byte order) from untrusted bytes. The
-/// properties may have any order. Other elements and properties, lists included, are skipped.
-///  - x y z: float or double, meters, required. Values that are not finite are kept.
-///  - color: `red`, `green` and `blue`, or else `diffuse_red`, `diffuse_green` and `diffuse_blue`, integers. Values
-///    outside of 0 to 255 are clamped. Without these the cloud has no color.
-///  - label: `label`, or else `scalar_Label`, with the types and values of a label in a PCD file (decode_pcd).
+/// properties may have any order. Other elements and properties, lists included, are skipped. Coordinates, colors,
+/// labels and text are those of decode_pcd. What follows the vertices is only looked at: if it is damaged, missing or
+/// more than the header promises, a warning says so.
 ///
 /// The cloud is unorganized. PLY does not tell where the sensor is, so the view is WORLD without a sensor unless `view`
 /// is given.
 ///
 /// INVALID_ARGUMENT with a message of one line that names the fault and its place if the file is malformed or
-/// truncated, has a label beyond 32 bits or more vertices than 32 bits can count, or exceeds the limits. A file of 0
-/// points is no error here.
+/// truncated, has more vertices than 32 bits can count, or exceeds the limits. A file of 0 points is no error here.
 absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                         std::optional<View> view = std::nullopt);
 

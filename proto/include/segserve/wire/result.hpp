@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "segserve/cloud.hpp"
+#include "segserve/codec/warning.hpp"
 #include "segserve/options.hpp"
 #include "segserve/segment.hpp"
 
@@ -33,6 +35,7 @@ struct Result {
   std::optional<std::uint32_t> regions;  ///< Options::regions of the request; unset if the cut is at a threshold
   View view;                             ///< the view in which the cloud was segmented
   std::string view_rule;                 ///< one line for people that says why it was this view
+  std::vector<codec::Warning> warnings;  ///< what the payload or file has that was not used
   CallTimings timings;
   std::string server_version;    ///< version of the program that computed the result, e.g. "0.1.0"
   std::string options_hash;      ///< 16 hexadecimal digits; a hash of all options that decide results

@@ -127,6 +127,40 @@ TEST(PcdFields, OldVersionsAndShortHeadersAreRead) {
   EXPECT_THAT(decode(old).cloud.z, ElementsAre(3.0F));
 }
 
+TEST(PcdFields, OddHeadersAndCommentsAreRead) {
+  const std::string odd =
+      "\xEF\xBB\xBFVERSION 7\nFIELDS x y z\nSIZE 4 4 4\nTYPE I I I\nWIDTH 2\nHEIGHT 0\nPOINTS 2\nDATA ascii\n"
+      "# one\n1 2 3\n#two\n4 5 6.0\n# end\n";
+  const LabeledCloud read = decode(odd);
+  EXPECT_THAT(read.cloud.z, ElementsAre(3.0F, 6.0F));
+  EXPECT_EQ(read.cloud.height, 1U);
+  EXPECT_THAT(read.warnings, IsEmpty());
+  std::string old_macintosh = "FIELDS x y z\rSIZE 4 4 4\rTYPE F F F\rPOINTS 1\rDATA ascii\r1 2 3\r";
+  EXPECT_THAT(decode(old_macintosh).cloud.x, ElementsAre(1.0F));
+}
+
+TEST(PcdFields, WhatIsNotUsedIsMentioned) {
+  const auto reason_of = [](const std::string& file) {
+    const LabeledCloud read = decode(file);
+    EXPECT_EQ(read.warnings.size(), 1U) << file;
+    return read.warnings.empty() ? WarningReason::kOther : read.warnings[0].reason;
+  };
+  const std::string three = "0 0 0\n0 0 0\n0 0 0\n";
+  EXPECT_EQ(reason_of(header("x y z", "4 4 4", "F F F", "1 1 1", 2, "ascii") + three), WarningReason::kRowsNotUsed);
+  const std::string label = header("x y z label", "4 4 4 8", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 4294967296\n";
+  EXPECT_EQ(reason_of(label), WarningReason::kLabelNotUsed);
+  const std::string color = header("x y z rgb", "4 4 4 8", "F F F F", "1 1 1 1", 1, "ascii") + "0 0 0 1\n";
+  EXPECT_EQ(reason_of(color), WarningReason::kColorNotUsed);
+}
+
+TEST(PcdFields, TextOfIntegersMayExceedTheirType) {
+  const std::string bytes =
+      header("x y z r g b", "4 4 4 1 1 1", "F F F I I I", "1 1 1 1 1 1", 1, "ascii") + "0 0 0 200 0 9\n";
+  EXPECT_THAT(decode(bytes).cloud.rgb, ElementsAre(0xC80009U));
+  const std::string packed = header("x y z rgb", "4 4 4 4", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 4279246080\n";
+  EXPECT_THAT(decode(packed).cloud.rgb, ElementsAre(4279246080U & 0xFFFFFFU));
+}
+
 TEST(PcdFields, TextOfExtremeNumbers) {
   const std::string file = header("x y z", "4 8 4", "F F F", "1 1 1", 2, "ascii") + "nan -inf 1e-60\n-nan 1e300 +1e60";
   const Cloud cloud = decode(file).cloud;
@@ -134,6 +168,11 @@ TEST(PcdFields, TextOfExtremeNumbers) {
   EXPECT_TRUE(std::isnan(cloud.x[0]) && std::isnan(cloud.x[1]));
   EXPECT_THAT(cloud.y, ElementsAre(-infinity, infinity));
   EXPECT_THAT(cloud.z, ElementsAre(0.0F, infinity));
+
+  const std::string microsoft = header("x y z", "4 8 4", "F F F", "1 1 1", 1, "ascii") + "1.#QNAN -1.#IND000 -1.#INF";
+  const Cloud odd = decode(microsoft).cloud;
+  EXPECT_TRUE(std::isnan(odd.x[0]) && std::isnan(odd.y[0]));
+  EXPECT_THAT(odd.z, ElementsAre(-infinity));
 }
 
 struct ViewCase {

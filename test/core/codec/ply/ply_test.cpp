@@ -3,6 +3,8 @@
 
 #include "segserve/codec/ply.hpp"
 
+#include <algorithm>
+
 #include "test/core/codec/support/sample_cloud.hpp"
 
 namespace segserve::codec {
@@ -42,6 +44,44 @@ TEST(PlyRoundTrip, KeepsPointsColorsAndLabels) {
 TEST(PlyRoundTrip, AnEmptyCloudStaysEmpty) {
   EXPECT_EQ(decode(encode_ply(Cloud{}, {}, PlyEncoding::kAscii)).cloud.size(), 0U);
   EXPECT_EQ(decode(encode_ply(Cloud{}, {}, PlyEncoding::kBinaryLittleEndian)).cloud.size(), 0U);
+}
+
+const std::string kTwoVertices = "element vertex 2\nproperty float x\nproperty float y\nproperty float z\n";
+
+TEST(PlyRead, WhatFollowsTheVerticesIsNotNeeded) {
+  const std::string ascii = "ply\nformat ascii 1.0\n" + kTwoVertices;
+  const std::string faces = "element face 2\nproperty list uchar int vertex_indices\nend_header\n1 2 3\n4 5 6\n";
+  EXPECT_THAT(decode(ascii + faces + "3 0 1 0\n3 0 1 0\n").warnings, IsEmpty());
+  for (const std::string& file : {ascii + "end_header\n1 2 3\n4 5 6\n7 8 9\n", ascii + faces + "3 0 1 0\n",
+                                  ascii + faces + "3 0 1 0 255 0 0\n3 0 1 0 255 0 0\n"}) {
+    const LabeledCloud read = decode(file);
+    EXPECT_THAT(read.cloud.z, ElementsAre(3, 6));
+    ASSERT_EQ(read.warnings.size(), 1U) << file;
+    EXPECT_EQ(read.warnings[0].reason, WarningReason::kRowsNotUsed);
+  }
+}
+
+TEST(PlyRead, LinesMayEndInCarriageReturnsAndBeginWithAByteOrderMark) {
+  std::string file = "ply\nformat ascii 1.0\n" + kTwoVertices +
+                     "end_header\n\xEF\xBB\xBF"
+                     "1 2 3\n4 5 6\n";
+  EXPECT_THAT(decode(file).cloud.x, ElementsAre(1, 4));
+  EXPECT_THAT(decode("\xEF\xBB\xBF" + file).cloud.x, ElementsAre(1, 4));
+  std::ranges::replace(file, '\n', '\r');
+  EXPECT_THAT(decode(file).cloud.x, ElementsAre(1, 4));
+  // The first byte of the body is that of a line feed, but these lines end in carriage returns.
+  std::string binary =
+      "ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty char x\rproperty char y\r"
+      "property char z\rend_header\r\n\1\2";
+  EXPECT_THAT(decode(binary).cloud.x, ElementsAre(10));
+}
+
+TEST(PlyRead, IntegersAreCoordinatesAndColorsHaveDecimals) {
+  const LabeledCloud read = decode(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty short x\nproperty int y\nproperty uchar z\n"
+      "property uchar Red\nproperty uchar Green\nproperty uchar Blue\nend_header\n-4 5 6 150.0 9.6 7\n");
+  EXPECT_THAT(read.cloud.x, ElementsAre(-4));
+  EXPECT_THAT(read.cloud.rgb, ElementsAre(0x960A07U));
 }
 
 TEST(PlyRead, TextWithCommentsListsAndOtherElements) {

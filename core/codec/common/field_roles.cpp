@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/common/field_roles.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "core/base/status_macros.hpp"
+#include "core/codec/common/text_parsing.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using Names = std::vector<std::string_view>;
+using Triple = std::array<std::size_t, 3>;
+
+struct ColorNames {
+  std::array<std::string_view, 3> names;
+  ChannelKind kind;
+};
+
+constexpr std::array<ColorNames, 5> kColorNames{{
+    {{"r", "g", "b"}, ChannelKind::kIntensity},
+    {{"red", "green", "blue"}, ChannelKind::kIntensity},
+    {{"diffuse_red", "diffuse_green", "diffuse_blue"}, ChannelKind::kIntensity},
+    {{"color_r", "color_g", "color_b"}, ChannelKind::kIntensity},
+    {{"f_dc_0", "f_dc_1", "f_dc_2"}, ChannelKind::kSphericalHarmonic},
+}};
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+/// The names of fields twice: as they are, and in lower case.
+class FieldNames {
+ public:
+  explicit FieldNames(const std::vector<Field>& fields) {
+    for (const Field& field : fields) lower_text_.push_back(lower_case(field.name));
+    for (std::size_t i = 0; i < fields.size(); ++i) {
+      exact_.push_back(fields[i].name);
+      lower_.emplace_back(lower_text_[i]);
+    }
+  }
+
+  absl::StatusOr<std::optional<std::size_t>> find(std::string_view name) const {
+    ASSIGN_OR_RETURN(const auto exact, find_unique(exact_, name));
+    return exact ? exact : find_unique(lower_, lower_case(name));
+  }
+  absl::StatusOr<std::optional<Triple>> find(const std::array<std::string_view, 3>& names) const {
+    ASSIGN_OR_RETURN(const auto exact, find_triple(exact_, names));
+    return exact ? exact : find_triple(lower_, names);
+  }
+  std::string_view lower(std::size_t i) const { return lower_[i]; }
+
+ private:
+  std::vector<std::string> lower_text_;
+  Names exact_, lower_;
+};
+
+bool looks_like_color(std::string_view lower_name) {
+  constexpr std::array<std::string_view, 3> kChannels{"r", "g", "b"};
+  constexpr std::array<std::string_view, 8> kParts{"rgb", "bgr", "red", "green", "blue", "color", "colour", "f_dc"};
+  const auto is_part = [lower_name](std::string_view part) { return lower_name.find(part) != std::string_view::npos; };
+  return std::ranges::find(kChannels, lower_name) != kChannels.end() || std::ranges::any_of(kParts, is_part);
+}
+
+absl::Status find_color(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
+  for (const std::string_view name : {"rgb", "rgba"}) {
+    ASSIGN_OR_RETURN(const auto found, names.find(name));
+    if (found && fields[*found].is_single && size_of(fields[*found].type) == 4) {
+      roles.packed = found;
+      return absl::OkStatus();
+    }
+  }
+  for (const ColorNames& wanted : kColorNames) {
+    ASSIGN_OR_RETURN(const auto found, names.find(wanted.names));
+    if (found && std::ranges::all_of(*found, [&fields](std::size_t i) { return fields[i].is_single; })) {
+      roles.channels = found;
+      roles.channel_kind = wanted.kind;
+      return absl::OkStatus();
+    }
+  }
+  return absl::OkStatus();
+}
+
+void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& names, std::vector<Warning>& warnings) {
+  std::vector<std::string> unused;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    if (looks_like_color(names.lower(i))) unused.push_back(quoted(fields[i].name));
+  }
+  if (unused.empty()) return;
+  warnings.push_back(
+      {WarningReason::kColorNotUsed,
+       fmt::format("the cloud has no color: {} cannot be used; rgb or rgba in 4 bytes can, or r g b, or red "
+                   "green blue",
+                   fmt::join(unused, ", "))});
+}
+
+}  // namespace
+
+std::vector<std::size_t> FieldRoles::fields() const {
+  std::vector<std::size_t> all(position.begin(), position.end());
+  if (packed) all.push_back(*packed);
+  if (channels) all.insert(all.end(), channels->begin(), channels->end());
+  if (label) all.push_back(*label);
+  return all;
+}
+
+absl::StatusOr<std::optional<std::size_t>> find_unique(const std::vector<std::string_view>& names,
+                                                       std::string_view name) {
+  const auto first = std::find(names.begin(), names.end(), name);
+  if (first == names.end()) return std::nullopt;
+  if (std::find(first + 1, names.end(), name) != names.end()) {
+    return absl::InvalidArgumentError(fmt::format("'{}' occurs twice", name));
+  }
+  return static_cast<std::size_t>(first - names.begin());
+}
+
+absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_triple(const std::vector<std::string_view>& names,
+                                                                      const std::array<std::string_view, 3>& wanted) {
+  std::array<std::size_t, 3> found{};
+  bool complete = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    ASSIGN_OR_RETURN(const std::optional<std::size_t> index, find_unique(names, wanted[i]));
+    complete = complete && index.has_value();
+    found[i] = index.value_or(0);
+  }
+  if (!complete) return std::nullopt;
+  return found;
+}
+
+absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings) {
+  const FieldNames names(fields);
+  FieldRoles roles;
+  ASSIGN_OR_RETURN(const auto position, names.find({"x", "y", "z"}));
+  if (!position) return absl::InvalidArgumentError("x, y and z must be there");
+  for (const std::size_t i : *position) {
+    if (!fields[i].is_single) {
+      return absl::InvalidArgumentError(fmt::format("{} must be one number for each point", quoted(fields[i].name)));
+    }
+  }
+  roles.position = *position;
+  RETURN_IF_ERROR(find_color(fields, names, roles));
+  if (!roles.has_color()) warn_of_unused_colors(fields, names, warnings);
+  for (const std::string_view wanted : {"label", "scalar_Label"}) {
+    ASSIGN_OR_RETURN(const auto found, names.find(wanted));
+    if (!found || roles.label) continue;
+    if (fields[*found].is_single) {
+      roles.label = found;
+    } else {
+      warnings.push_back(
+          {WarningReason::kLabelNotUsed,
+           fmt::format("the labels are not used: {} is more than one number", quoted(fields[*found].name))});
+    }
+  }
+  return roles;
+}
+
+}  // namespace segserve::codec

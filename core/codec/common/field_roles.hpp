@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/codec/common/scalar_type.hpp"
+#include "segserve/codec/warning.hpp"
+
+// The fields of a file: which of them matter, judged by their names and types.
+namespace segserve::codec {
+
+/// A field of every point.
+struct Field {
+  std::string_view name;
+  ScalarType type = ScalarType::kFloat32;
+  bool is_single = true;  ///< one number per point
+};
+
+/// What the three channels of a color are.
+enum class ChannelKind : std::uint8_t {
+  kIntensity,          ///< 0 to 1, to 255 or to 65535, which the values tell
+  kSphericalHarmonic,  ///< the constant term of a Gaussian splat: (color - 1/2) / Y, with Y = sqrt(1 / (4 pi))
+};
+
+/// The fields of a file that a cloud is made from, as indices.
+struct FieldRoles {
+  std::array<std::size_t, 3> position{};               ///< x, y, z
+  std::optional<std::size_t> packed;                   ///< color as 0xAARRGGBB
+  std::optional<std::array<std::size_t, 3>> channels;  ///< color as red, green and blue
+  ChannelKind channel_kind = ChannelKind::kIntensity;
+  std::optional<std::size_t> label;
+
+  bool has_color() const { return packed || channels; }
+  /// All fields that have a role, each once.
+  std::vector<std::size_t> fields() const;
+};
+
+/// Finds what the fields are by the names that programs give them, in any case; a name in the usual case comes first.
+///  - position: x, y, z
+///  - color: rgb or rgba, packed in 4 bytes; or else r g b, red green blue, diffuse_red .., color_r .., f_dc_0 f_dc_1
+///    f_dc_2
+///  - label: label, scalar_Label
+/// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, or if a name that is used occurs
+/// twice. Warns of fields that look like color, or like a label, and are not used.
+absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings);
+
+/// The index at which `name` occurs, or nullopt if it does not occur. INVALID_ARGUMENT if it occurs twice.
+absl::StatusOr<std::optional<std::size_t>> find_unique(const std::vector<std::string_view>& names,
+                                                       std::string_view name);
+/// The indices at which the three `wanted` names occur, or nullopt unless all of them do. INVALID_ARGUMENT if one of
+/// them occurs twice.
+absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_triple(const std::vector<std::string_view>& names,
+                                                                      const std::array<std::string_view, 3>& wanted);
+
+}  // namespace segserve::codec

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "segserve/codec/warning.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace segserve::codec {
+namespace {
+
+struct Entry {
+  WarningReason reason;
+  std::string_view name;
+};
+
+constexpr std::array<Entry, 4> kReasons{{
+    {WarningReason::kColorNotUsed, "COLOR_NOT_USED"},
+    {WarningReason::kLabelNotUsed, "LABEL_NOT_USED"},
+    {WarningReason::kRowsNotUsed, "ROWS_NOT_USED"},
+    {WarningReason::kOther, "OTHER"},
+}};
+
+}  // namespace
+
+std::string_view name(WarningReason reason) { return std::ranges::find(kReasons, reason, &Entry::reason)->name; }
+
+WarningReason warning_reason(std::string_view name) {
+  const auto* const found = std::ranges::find(kReasons, name, &Entry::name);
+  return found == kReasons.end() ? WarningReason::kOther : found->reason;
+}
+
+}  // namespace segserve::codec

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace segserve::codec {
+
+/// What a file has that could not be used, although it was read.
+enum class WarningReason : std::uint8_t {
+  kColorNotUsed,  ///< fields that look like color are of no known kind
+  kLabelNotUsed,  ///< labels are not whole numbers of 32 bits
+  kRowsNotUsed,   ///< rows beyond those that the header promises, or damaged rows that are not needed
+  kOther,         ///< a reason that this version does not know
+};
+
+/// "COLOR_NOT_USED" and so on, for programs.
+std::string_view name(WarningReason reason);
+/// kOther for names that this version does not know.
+WarningReason warning_reason(std::string_view name);
+
+/// Something that the owner of a file should know although the file was read.
+struct Warning {
+  WarningReason reason;
+  std::string message;  ///< one line for people
+};
+
+}  // namespace segserve::codec

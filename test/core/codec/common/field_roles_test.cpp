@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/common/field_roles.hpp"
+
+#include "gmock/gmock.h"
+
+namespace segserve::codec {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<Field> fields_of(const std::vector<std::string_view>& names, ScalarType type = ScalarType::kFloat32) {
+  std::vector<Field> fields;
+  for (const std::string_view name : names) fields.push_back({name, type, true});
+  return fields;
+}
+
+struct Found {
+  FieldRoles roles;
+  std::vector<Warning> warnings;
+};
+
+Found find(const std::vector<Field>& fields) {
+  Found found;
+  auto roles = find_field_roles(fields, found.warnings);
+  EXPECT_TRUE(roles.ok()) << roles.status();
+  if (roles.ok()) found.roles = *roles;
+  return found;
+}
+
+TEST(FieldRoles, NamesCountInAnyCaseAndTheUsualCaseComesFirst) {
+  EXPECT_THAT(find(fields_of({"X", "Y", "Z"})).roles.position, ElementsAre(0, 1, 2));
+  EXPECT_THAT(find(fields_of({"X", "Y", "Z", "x", "y", "z"})).roles.position, ElementsAre(3, 4, 5));
+  EXPECT_EQ(find(fields_of({"x", "y", "z", "Scalar_label"})).roles.label, 3U);
+}
+
+TEST(FieldRoles, ColorsHaveManyNames) {
+  for (const auto& [red, green, blue] :
+       std::vector<std::array<std::string_view, 3>>{{"r", "g", "b"},
+                                                    {"R", "G", "B"},
+                                                    {"Red", "Green", "Blue"},
+                                                    {"diffuse_red", "diffuse_green", "diffuse_blue"},
+                                                    {"color_r", "color_g", "color_b"}}) {
+    const Found found = find(fields_of({"x", "y", "z", blue, green, red}));
+    ASSERT_TRUE(found.roles.channels) << red;
+    EXPECT_THAT(*found.roles.channels, ElementsAre(5, 4, 3));
+    EXPECT_EQ(found.roles.channel_kind, ChannelKind::kIntensity);
+    EXPECT_TRUE(found.warnings.empty());
+  }
+  EXPECT_EQ(find(fields_of({"x", "y", "z", "f_dc_0", "f_dc_1", "f_dc_2"})).roles.channel_kind,
+            ChannelKind::kSphericalHarmonic);
+  EXPECT_EQ(find(fields_of({"x", "y", "z", "RGBA"})).roles.packed, 3U);
+}
+
+TEST(FieldRoles, AColorThatCannotBeUsedIsMentioned) {
+  std::vector<Field> fields = fields_of({"x", "y", "z", "rgb", "intensity"});
+  fields[3].type = ScalarType::kUint8;
+  fields[3].is_single = false;
+  const Found found = find(fields);
+  EXPECT_FALSE(found.roles.has_color());
+  ASSERT_EQ(found.warnings.size(), 1U);
+  EXPECT_EQ(found.warnings[0].reason, WarningReason::kColorNotUsed);
+  EXPECT_THAT(found.warnings[0].message, HasSubstr("'rgb' cannot be used"));
+  EXPECT_EQ(find(fields_of({"x", "y", "z", "red", "green"})).warnings.size(), 1U);
+  EXPECT_TRUE(find(fields_of({"x", "y", "z", "intensity", "ring"})).warnings.empty());
+}
+
+TEST(FieldRoles, ACoordinateIsOneNumberThatOccursOnce) {
+  std::vector<Warning> warnings;
+  std::vector<Field> fields = fields_of({"x", "y", "z"});
+  fields[1].is_single = false;
+  EXPECT_THAT(std::string(find_field_roles(fields, warnings).status().message()), HasSubstr("'y' must be one number"));
+  EXPECT_FALSE(find_field_roles(fields_of({"x", "y"}), warnings).ok());
+  EXPECT_FALSE(find_field_roles(fields_of({"x", "x", "y", "z"}), warnings).ok());
+}
+
+TEST(WarningReason, NamesReadBack) {
+  for (const WarningReason reason : {WarningReason::kColorNotUsed, WarningReason::kLabelNotUsed,
+                                     WarningReason::kRowsNotUsed, WarningReason::kOther}) {
+    EXPECT_EQ(warning_reason(name(reason)), reason);
+  }
+  EXPECT_EQ(warning_reason("OF_A_LATER_VERSION"), WarningReason::kOther);
+}
+
+}  // namespace
+}  // namespace segserve::codec

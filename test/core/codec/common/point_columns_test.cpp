@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/common/point_columns.hpp"
+
+#include <span>
+
+#include "gmock/gmock.h"
+
+namespace segserve::codec {
+namespace {
+
+using testing::ElementsAre;
+
+/// Reads points at the origin whose red channel has these values; the other two are 0.
+template <typename T>
+LabeledCloud with_red(const std::vector<T>& red, ScalarType type, ChannelKind kind = ChannelKind::kIntensity) {
+  const std::vector<T> zeros(red.size());
+  FieldRoles roles;
+  roles.position = {0, 0, 0};
+  roles.channels = {{1, 2, 2}};
+  roles.channel_kind = kind;
+  const auto column = [&](std::size_t field) {
+    const auto bytes = std::as_bytes(std::span(field == 1 ? red : zeros));
+    return Column{bytes.data(), sizeof(T), type};
+  };
+  LabeledCloud out;
+  EXPECT_TRUE(read_columns(roles, column, red.size(), out).ok());
+  return out;
+}
+
+template <typename T>
+std::vector<std::uint32_t> red_of(const std::vector<T>& values, ScalarType type,
+                                  ChannelKind kind = ChannelKind::kIntensity) {
+  std::vector<std::uint32_t> red;
+  for (const std::uint32_t rgb : with_red(values, type, kind).cloud.rgb) red.push_back(rgb >> 16U);
+  return red;
+}
+
+TEST(PointColumns, TheValuesTellWhatFullIntensityIs) {
+  EXPECT_THAT(red_of<float>({0, 0.5, 1}, ScalarType::kFloat32), ElementsAre(0, 128, 255));
+  EXPECT_THAT(red_of<double>({0, 100.4, 255}, ScalarType::kFloat64), ElementsAre(0, 100, 255));
+  EXPECT_THAT(red_of<std::uint16_t>({0, 100, 255}, ScalarType::kUint16), ElementsAre(0, 100, 255));
+  EXPECT_THAT(red_of<std::uint16_t>({0, 150 * 257, 65535}, ScalarType::kUint16), ElementsAre(0, 150, 255));
+  EXPECT_THAT(red_of<std::uint16_t>({0, 150 * 256, 255 * 256}, ScalarType::kUint16), ElementsAre(0, 150, 255));
+  EXPECT_THAT(red_of<std::int32_t>({-5, 1, 40}, ScalarType::kInt32), ElementsAre(0, 1, 40));
+  EXPECT_THAT(red_of<float>({NAN, -1, 1}, ScalarType::kFloat32), ElementsAre(0, 0, 255));
+}
+
+TEST(PointColumns, SignedBytesAreTheSameEightBits) {
+  EXPECT_THAT(red_of<std::int8_t>({0, 127, -56, -1}, ScalarType::kInt8), ElementsAre(0, 127, 200, 255));
+}
+
+TEST(PointColumns, SphericalHarmonicsOfSplatsAreColors) {
+  const float most = 0.5F / 0.28209479F;
+  EXPECT_THAT(red_of<float>({-most, 0, most, 9}, ScalarType::kFloat32, ChannelKind::kSphericalHarmonic),
+              ElementsAre(0, 128, 255, 255));
+}
+
+TEST(PointColumns, LabelsThatAreNoneAreLeftOutAndMentioned) {
+  FieldRoles roles;
+  roles.position = {0, 0, 0};
+  roles.label = 1;
+  const std::vector<float> values{1, 2.5, 3};
+  const auto column = [&](std::size_t) {
+    return Column{std::as_bytes(std::span(values)).data(), sizeof(float), ScalarType::kFloat32};
+  };
+  LabeledCloud out;
+  ASSERT_TRUE(read_columns(roles, column, values.size(), out).ok());
+  EXPECT_TRUE(out.label.empty());
+  ASSERT_EQ(out.warnings.size(), 1U);
+  EXPECT_EQ(out.warnings[0].reason, WarningReason::kLabelNotUsed);
+}
+
+}  // namespace
+}  // namespace segserve::codec
