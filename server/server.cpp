@@ -5,12 +5,15 @@
 #include <chrono>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "grpcpp/ext/proto_server_reflection_plugin.h"
 #include "grpcpp/grpcpp.h"
 #include "grpcpp/health_check_service_interface.h"
+#include "grpcpp/impl/server_builder_option.h"
+#include "grpcpp/impl/server_builder_plugin.h"
 #include "grpcpp/resource_quota.h"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
@@ -42,12 +45,22 @@ bool is_served(const ListenAddress& address) {
   return found == Listener::kAnswers || found == Listener::kSilent;
 }
 
+/// Its library gives reflection to every server of a process that links it.
+class WithoutReflection final : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments* /*arguments*/) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    std::erase_if(*plugins, [](const auto& plugin) { return plugin->name().find("reflection") != std::string::npos; });
+  }
+};
+
 class GrpcServer final : public Server {
  public:
   GrpcServer(const ServerOptions& options, const BackendFactory& make_backend)
       : grace_period_(options.grace_period),
         drain_delay_(options.drain_delay),
         transport_bytes_(std::clamp(options.memory / 5, kLeastTransportBytes, kMostTransportBytes)),
+        reflection_(options.reflection),
         service_(options, make_backend) {}
   GrpcServer(const GrpcServer&) = delete;
   GrpcServer& operator=(const GrpcServer&) = delete;
@@ -63,6 +76,7 @@ class GrpcServer final : public Server {
  private:
   const std::chrono::milliseconds grace_period_, drain_delay_;
   const std::uint64_t transport_bytes_;  // for what is on its way, besides the memory of frames
+  const bool reflection_;
   SegmentationService service_;
   std::unique_ptr<grpc::Server> server_;  // is destroyed before the service that it calls
   std::string address_;
@@ -80,6 +94,7 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   quota.Resize(transport_bytes_);
 
   grpc::ServerBuilder builder;
+  if (!reflection_) builder.SetOption(std::make_unique<WithoutReflection>());
   builder.SetResourceQuota(quota);
   builder.SetMaxReceiveMessageSize(wire::kServerReceiveBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);

@@ -11,7 +11,7 @@
 
 namespace segserve::server {
 
-/// A running server: the segmentation service, grpc.health.v1 and reflection on one address.
+/// A running server: the segmentation service, grpc.health.v1 and, if wanted, reflection on one address.
 ///
 ///     auto server = Server::start({.listen = "127.0.0.1:0"});
 ///     if (!server.ok()) return server.status();

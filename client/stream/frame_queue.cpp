@@ -96,6 +96,7 @@ std::vector<QueuedFrame*> FrameQueue::sent_on(ConnectionId connection) {
 
 void FrameQueue::end(QueuedFrame& frame, OutcomeKind kind, absl::Status status, Time now) {
   frame.state = State::kDone;
+  ++ended_;
   frame.undecoded.outcome.kind = kind;
   frame.undecoded.outcome.status = std::move(status);
   frame.report().outcome_done = now;

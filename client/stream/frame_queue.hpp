@@ -45,7 +45,7 @@ struct QueuedFrame {
   /// Whether its use ends no later than its deadline.
   bool can_expire() const { return expires && *expires <= deadline; }
   /// From then on its result is of no use.
-  Time end() const { return can_expire() ? *expires : deadline; }
+  Time useful_until() const { return can_expire() ? *expires : deadline; }
 };
 
 /// The frames of a stream whose outcome was not taken: which may enter, which goes next, how each ends and in which
@@ -58,6 +58,8 @@ class FrameQueue {
   bool empty() const { return frames_.empty(); }
   /// How many frames are to be sent.
   std::size_t waiting() const;
+  /// How many frames have got an outcome so far.
+  std::uint64_t ended() const { return ended_; }
   /// How many frames have no outcome.
   std::size_t unfinished() const;
 
@@ -100,6 +102,7 @@ class FrameQueue {
   std::map<std::uint64_t, QueuedFrame> frames_;  // by sequence
   std::deque<std::uint64_t> done_;               // in the order in which they ended
   std::uint64_t last_sequence_ = 0;
+  std::uint64_t ended_ = 0;
 };
 
 }  // namespace segserve::client

@@ -14,4 +14,8 @@ void ServiceTime::add(Duration took) {
   *mean_ += off / 8;
 }
 
+void ServiceTime::add_at_least(Duration time) {
+  if (!mean_ || time > *mean_) add(time);
+}
+
 }  // namespace segserve::client

@@ -12,8 +12,10 @@ class ServiceTime {
  public:
   using Duration = std::chrono::nanoseconds;
 
-  /// A frame took so long, or longer if it was given up then.
+  /// A frame took so long.
   void add(Duration took);
+  /// A frame took at least so long, and was given up then.
+  void add_at_least(Duration time);
   /// A time that few frames exceed; zero if none has come yet.
   Duration bound() const { return mean_ ? *mean_ + 4 * deviation_ : Duration(0); }
 

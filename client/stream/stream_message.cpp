@@ -89,7 +89,7 @@ absl::Status status_of(OutcomeKind kind) {
     case OutcomeKind::kDropped:
       return absl::ResourceExhaustedError("a newer frame came");
     case OutcomeKind::kExpired:
-      return absl::DeadlineExceededError("the frame's time to live was over");
+      return absl::DeadlineExceededError("the frame's time to live was over, or too little of it was left");
     case OutcomeKind::kCancelled:
       return absl::CancelledError("the frame was cancelled");
     default:

@@ -61,7 +61,7 @@ StreamScheduler::Tick StreamScheduler::tick(Time now) {
     wake_at = std::min(wake_at, time.value_or(wake_at));
   };
   for (QueuedFrame* frame : frames_.end_overdue(links_.last_error(), now)) {
-    service_time_.add(now - frame->sent_at);
+    service_time_.add_at_least(now - frame->sent_at);
     if (ServerLink* link = links_.find(frame->connection)) link->protocol.cancel(frame->sequence);
   }
   const bool may_wait = options_.wait_for_server || options_.fallback_to_local;
@@ -82,7 +82,7 @@ QueuedFrame* StreamScheduler::next_in_time(Time now) {
   while (QueuedFrame* frame = frames_.next_to_send(now)) {
     const bool others_wait = frames_.waiting() > 1;
     // Without any frame under way, nothing would tell that the server is faster again.
-    const bool is_late = now + service_time_.bound() > frame->end() && frames_.sent() > 0;
+    const bool is_late = now + service_time_.bound() > frame->useful_until() && frames_.sent() > 0;
     if (!others_wait || !is_late) return frame;
     frames_.end_late(*frame, links_.last_error(), now);
   }
@@ -111,7 +111,7 @@ void StreamScheduler::begin_frame(ServerLink& link, Time now) {
   FrameReport& report = frame->report();
   ++report.attempts;
   report.bytes_sent = report.bytes_received = 0;
-  link.protocol.begin(frame->sequence, header_message(frame->request, options_, frame->end(), now),
+  link.protocol.begin(frame->sequence, header_message(frame->request, options_, frame->useful_until(), now),
                       frame->request.payload);
 }
 
@@ -174,7 +174,8 @@ void StreamScheduler::on_outcome(ServerLink& link, StreamProtocol::Event& event,
   frame->report().bytes_received = link.outcome_bytes;
   frame->report().address = links_.address_of(link);
   const OutcomeKind kind = from_message(event.outcome.kind());
-  if (kind == OutcomeKind::kResult || kind == OutcomeKind::kExpired) service_time_.add(now - frame->sent_at);
+  if (kind == OutcomeKind::kResult) service_time_.add(now - frame->sent_at);
+  if (kind == OutcomeKind::kExpired) service_time_.add_at_least(now - frame->sent_at);
   if (kind == OutcomeKind::kExpired) return frames_.end_late(*frame, links_.last_error(), now);
   if (kind == OutcomeKind::kFailed) return on_failed_frame(*frame, wire::from_message(event.outcome.status()), now);
   if (!event.intact) {

@@ -63,6 +63,8 @@ class StreamScheduler {
 
   // Reports of the transport. Unknown connections are ignored.
 
+  /// How many frames have got an outcome so far. A call of next_message() may end some that come too late.
+  std::uint64_t ended() const { return frames_.ended(); }
   /// Fills in the next message of a connection; false if there is none now.
   bool next_message(ConnectionId id, OutgoingMessage& outgoing, Time now);
   /// Whether nothing will be sent on the connection any more.

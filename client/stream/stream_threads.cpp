@@ -226,9 +226,11 @@ void StreamThreads::pump() {
 
 bool StreamThreads::next_message(ConnectionId id, OutgoingMessage& outgoing) {
   const MutexLock lock(mutex_);
-  if (!scheduler_.next_message(id, outgoing, Clock::now())) return false;
-  if (outgoing.message.has_frame()) notify();  // one frame less waits
-  return true;
+  const std::uint64_t ended = scheduler_.ended();
+  const bool has_next = scheduler_.next_message(id, outgoing, Clock::now());
+  const bool begins_frame = has_next && outgoing.message.has_frame();
+  if (begins_frame || scheduler_.ended() != ended) notify();  // fewer frames wait, or there is an outcome
+  return has_next;
 }
 
 bool StreamThreads::wants_half_close(ConnectionId id) {

@@ -30,6 +30,7 @@ namespace {
 /// A frame with this many voxels is large: each stage frees its buffers when it has ended, because the buffers of all
 /// stages together would take 500 bytes a voxel. The buffers of smaller frames are kept, which saves page faults.
 constexpr std::size_t kManyVoxels = 250'000;
+constexpr std::size_t kManyPoints = 1'000'000;
 
 template <typename... Buffers>
 void release_if(bool is_large, Buffers&... buffers) {
@@ -103,6 +104,15 @@ Segmenter& Segmenter::operator=(Segmenter&&) noexcept = default;
 
 absl::StatusOr<Segmentation> Segmenter::segment(const CloudView& cloud, const Options& options, const StopToken& stop,
                                                 const Admission& admit) {
+  auto result = segment_within(cloud, options, stop, admit);
+  // A large frame that ended early has not come to where its buffers are freed.
+  const bool is_large = cloud.size() >= kManyPoints || workspace_->grid.size() >= kManyVoxels;
+  if (!result.ok() && is_large) workspace_ = std::make_unique<Workspace>();
+  return result;
+}
+
+absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, const Options& options,
+                                                       const StopToken& stop, const Admission& admit) {
   RETURN_IF_ERROR(check(options, cloud.view));
   RETURN_IF_ERROR(check_shape(cloud));
   Workspace& w = *workspace_;

@@ -13,6 +13,7 @@ namespace segserve::server {
 namespace {
 
 constexpr int kUsageError = 2;
+constexpr std::chrono::milliseconds kLeastListenerCheck{500};
 
 constexpr const char* kExamples = R"(Examples:
   segserve                                      serve on 127.0.0.1:50051, one worker per CPU
@@ -82,6 +83,8 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   add_seconds(app, "--max-frame-seconds", "Most seconds for the computation of one frame", server.max_frame_time);
   app.add_flag("--enable-draco", server.enable_draco,
                "Accept Draco payloads; its library has known faults with hostile bytes");
+  app.add_flag("--reflection", server.reflection,
+               "Serve reflection, for tools such as grpcurl; for trusted networks only, as it has no bounds");
   add_seconds(app, "--grace-period", "Seconds that calls in flight have when the server stops", server.grace_period);
   add_seconds(app, "--drain-delay", "Seconds for which a stopping server still refuses calls before it closes",
               server.drain_delay);
@@ -104,7 +107,9 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   for (const FieldViolation& fault : faults) {
     fmt::print(stderr, "segserve: --{}: {}\n", fault.field, fault.description);
   }
-  if (!faults.empty()) return kUsageError;
+  const bool is_hasty = flags.listener_check.count() != 0 && flags.listener_check < kLeastListenerCheck;
+  if (is_hasty) fmt::print(stderr, "segserve: --listener-check: it must be 0, or at least 0.5 s\n");
+  if (!faults.empty() || is_hasty) return kUsageError;
   return flags;
 }
 

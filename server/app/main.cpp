@@ -72,11 +72,11 @@ bool write_port_file(const std::string& path, int port) {
 }
 
 /// Ends the process if it has not stopped in time, for example because a call hangs within gRPC.
-void end_process_after(std::chrono::milliseconds time) {
-  std::thread([time] {
+void end_process_after(std::chrono::milliseconds time, int exit_code) {
+  std::thread([time, exit_code] {
     std::this_thread::sleep_for(time);
     spdlog::critical("not stopped within {} ms: ending the process", time.count());
-    std::_Exit(kNotStoppedInTime);
+    std::_Exit(exit_code);
   }).detach();
 }
 
@@ -109,10 +109,10 @@ int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
       kill(getpid(), SIGTERM);
     });
     sigwait(&stop_signals, &signal);
+    end_process_after(flags.server.grace_period + kStopTime, is_deaf ? kDeaf : kNotStoppedInTime);
   }
   if (is_deaf) spdlog::critical("the server accepts no connections any more; another process has to take over");
   spdlog::info("{}: stopping, {} calls in flight", sigabbrev_np(signal), (*server)->calls());
-  end_process_after(flags.server.grace_period + kStopTime);
   (*server)->stop();
   spdlog::info("stopped");
   return is_deaf ? kDeaf : 0;

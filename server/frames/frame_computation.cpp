@@ -67,9 +67,10 @@ absl::StatusOr<wire::DecodedCloud> decode_within(const v1::Cloud& payload, const
     if (decoded.ok()) return decoded;
     const auto points = excess(decoded.status(), "max_points"), bytes = excess(decoded.status(), "max_decoded_bytes");
     if (points && limits.max_points < most.max_points) {
-      limits.max_points = std::min(most.max_points, std::max(*points, 2 * limits.max_points));
+      limits.max_points = std::min(most.max_points, *points);
+      limits.max_bytes = std::min(most.max_bytes, std::max(limits.max_bytes, kScratchPerPoint * limits.max_points));
     } else if (bytes && limits.max_bytes < most.max_bytes) {
-      limits.max_bytes = std::min(most.max_bytes, std::max(*bytes, 2 * limits.max_bytes));
+      limits.max_bytes = std::min(most.max_bytes, *bytes);
     } else {
       return decoded;
     }

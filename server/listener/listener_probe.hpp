@@ -15,7 +15,8 @@ enum class Listener {
   kUnknown,  ///< this process can make no connection at present, for example because it has too many files open
 };
 
-/// Connects to the address, on this machine, with the greeting of HTTP/2, and waits at most `timeout` for an answer.
+/// Connects to the address, or to all that it stands for until one answers, with the greeting of HTTP/2. Waits for each
+/// at most `timeout` to connect, and as long for an answer.
 Listener probe_listener(const ListenAddress& address, int port, std::chrono::milliseconds timeout);
 
 }  // namespace segserve::server

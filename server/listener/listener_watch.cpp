@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/listener/listener_watch.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "absl/status/statusor.h"
+#include "server/frames/catch_exceptions.hpp"
 #include "server/listener/file_descriptors.hpp"
-#include "server/listener/listener_probe.hpp"
 #include "spdlog/spdlog.h"
 
 namespace segserve::server {
 namespace {
 
 constexpr int kProbes = 3;
+// SIGTERM waits for a probe to end.
+constexpr std::chrono::milliseconds kMostPatience{1000};
 
 /// Says once that few file descriptors are left, and again after there were enough in between.
 void warn_of_few_descriptors(bool& warned) {
@@ -44,8 +48,7 @@ void ListenerWatch::run() {
   bool warned = false;
   int unanswered = 0;
   while (wait()) {
-    warn_of_few_descriptors(warned);
-    switch (probe_listener(address_, port_, interval_)) {
+    switch (look(warned)) {
       case Listener::kAnswers:
         unanswered = 0;
         break;
@@ -59,6 +62,14 @@ void ListenerWatch::run() {
         break;
     }
   }
+}
+
+Listener ListenerWatch::look(bool& warned) {
+  const absl::StatusOr<Listener> found = catch_exceptions([&]() -> absl::StatusOr<Listener> {
+    warn_of_few_descriptors(warned);
+    return probe_listener(address_, port_, std::min(interval_, kMostPatience));
+  });
+  return found.value_or(Listener::kUnknown);
 }
 
 bool ListenerWatch::wait() {

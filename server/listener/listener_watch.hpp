@@ -7,6 +7,7 @@
 
 #include "absl/base/thread_annotations.h"
 #include "core/base/mutex.hpp"
+#include "server/listener/listener_probe.hpp"
 #include "server/options/listen_address.hpp"
 
 namespace segserve::server {
@@ -15,8 +16,8 @@ namespace segserve::server {
 /// once the process has run out of file descriptors (CVE-2023-4785). It also warns when few of these are left.
 class ListenerWatch {
  public:
-  /// Probes once per `interval`, which is also the patience of a probe. `on_deaf` is called once, on the thread, after
-  /// three probes in a row without an answer.
+  /// Waits for `interval` between probes. A probe takes at most a second or two. `on_deaf` is called once, on the
+  /// thread, after three probes in a row without an answer.
   ListenerWatch(ListenAddress address, int port, std::chrono::milliseconds interval, std::function<void()> on_deaf);
   ~ListenerWatch();
   ListenerWatch(const ListenerWatch&) = delete;
@@ -24,6 +25,8 @@ class ListenerWatch {
 
  private:
   void run();
+  /// kUnknown if there is not even memory for a probe.
+  Listener look(bool& warned);
   /// False if the thread shall end.
   bool wait();
 

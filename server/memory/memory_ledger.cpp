@@ -15,7 +15,7 @@ namespace segserve::server {
 namespace {
 
 // How long a client that was refused counts as one that waits. Refusals tell it to come again earlier than that.
-constexpr std::chrono::seconds kRefusedFor{5};
+constexpr std::chrono::seconds kRefusalCountsFor{5};
 constexpr std::uint64_t kUnlimited = std::numeric_limits<std::uint64_t>::max();
 
 /// The number in a file such as memory.max; kUnlimited if there is none.
@@ -82,8 +82,7 @@ std::optional<MemoryLease> MemoryLedger::lease(const MemoryOwner& owner, std::ui
   Address& address = addresses_[owner.address];
   Holding& stream = address.streams[owner.stream];
   if (!has_room_for(owner, bytes)) {
-    address.all.refused_until = stream.refused_until = now + kRefusedFor;
-    last_refusal_ = now;
+    note_refusal(address, stream, now);
     return std::nullopt;
   }
   add(owner, bytes, 1);
@@ -95,7 +94,7 @@ std::optional<MemoryLease> MemoryLedger::lease(const MemoryOwner& owner, std::ui
 bool MemoryLedger::is_short() const {
   const Time now = now_();
   const MutexLock lock(mutex_);
-  return last_refusal_ != Time() && now < last_refusal_ + kRefusedFor;
+  return last_refusal_ != Time() && now < last_refusal_ + kRefusalCountsFor;
 }
 
 std::uint64_t MemoryLedger::leased() const {
@@ -115,10 +114,13 @@ bool MemoryLedger::has_room_for(const MemoryOwner& owner, std::uint64_t bytes) c
   std::uint64_t limit = budget_;
   if (others_were_refused(addresses_, owner.address, [](const Address& other) { return other.all; })) {
     limit /= addresses_.size();
-    if (address.all.bytes + bytes > limit) return false;
+    if (address.all.bytes > 0 && address.all.bytes + bytes > limit) return false;
   }
+  // Who holds nothing gets what is free, even if it is more than a share: else a crowd could refuse each other for
+  // ever.
   const Holding& stream = address.streams.find(owner.stream)->second;
-  return !others_were_refused(address.streams, owner.stream, [](const Holding& other) { return other; }) ||
+  return stream.bytes == 0 ||
+         !others_were_refused(address.streams, owner.stream, [](const Holding& other) { return other; }) ||
          stream.bytes + bytes <= limit / address.streams.size();
 }
 
@@ -145,9 +147,19 @@ void MemoryLedger::add(const MemoryOwner& owner, std::uint64_t bytes, std::size_
   leased_ += bytes;
 }
 
+void MemoryLedger::note_refusal(Address& address, Holding& stream, Time now) {
+  address.all.refused_until = stream.refused_until = now + kRefusalCountsFor;
+  last_refusal_ = now;
+}
+
 bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
+  const Time now = now_();
   const MutexLock lock(mutex_);
-  if (bytes > lease.bytes_ && bytes - lease.bytes_ > budget_ - leased_) return false;
+  if (bytes > lease.bytes_ && bytes - lease.bytes_ > budget_ - leased_) {
+    Address& address = addresses_.find(lease.owner_.address)->second;
+    note_refusal(address, address.streams.find(lease.owner_.stream)->second, now);
+    return false;
+  }
   if (std::exchange(lease.waits_, false)) waiting_ -= lease.bytes_;
   add(lease.owner_, bytes - lease.bytes_, 0);
   lease.bytes_ = bytes;

@@ -51,9 +51,10 @@ class MemoryLease {
 /// clouds, the workspace of segmentation, and results until they are read. Memory is leased before it is allocated.
 /// Thread-safe.
 ///
-/// Two rules keep it useful for everybody. What only waits gets at most half of the budget, so that what is computed
-/// finds room. And for some seconds after one was refused, others that hold more than their share get nothing more. All
-/// that hold something or were refused lately have equal shares: addresses of the budget, streams of their address's.
+/// Two rules keep it useful for everybody. What only waits gets at most half of the budget, unless it is alone, so that
+/// what is computed finds room. And for some seconds after one was refused, others that hold something get no more than
+/// their share. All that hold something or were refused lately have equal shares: addresses of the budget, streams of
+/// their address's.
 class MemoryLedger {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -83,6 +84,7 @@ class MemoryLedger {
   };
 
   bool has_room_for(const MemoryOwner& owner, std::uint64_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void note_refusal(Address& address, Holding& stream, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void forget_refusals(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Adds to what the owner holds; wraps around for what is subtracted.
   void add(const MemoryOwner& owner, std::uint64_t bytes, std::size_t leases) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);

@@ -48,6 +48,10 @@ struct ServerOptions {
   /// Accept Draco payloads. Draco's library has known faults with hostile bytes.
   bool enable_draco = false;
 
+  /// Serve gRPC's reflection, by which tools such as grpcurl learn the interface. gRPC's implementation bounds neither
+  /// the memory of its messages nor its threads, so it is for trusted networks only.
+  bool reflection = false;
+
   /// Calls in flight have this long to finish when the server stops. Then they are cancelled.
   std::chrono::milliseconds grace_period{20'000};
 

@@ -25,7 +25,8 @@ using Clock = std::chrono::steady_clock;
 /// gRPC gives deadlines by the wall clock; its greatest time means that there is none.
 std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerContext& context) {
   const auto deadline = context.deadline();
-  if (deadline == std::chrono::system_clock::time_point::max()) return std::nullopt;
+  constexpr std::chrono::hours kForEver{24 * 365};
+  if (deadline > std::chrono::system_clock::now() + kForEver) return std::nullopt;  // a sum with it could overflow
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(deadline - std::chrono::system_clock::now());
 }
 
@@ -97,6 +98,7 @@ void SegmentCall::run(std::size_t worker, const FrameSettings& settings) {
     }
     ASSIGN_OR_RETURN(v1::SegmentationResult result,
                      compute_frame(request_.cloud(), settings, cancelled_, *service_.backends_[worker], memory_));
+    request_.clear_cloud();  // whose lease has ended
     return answer(std::move(result));
   }));
 }

@@ -22,12 +22,12 @@
 
 namespace segserve::server {
 
-/// The generated service with Segment and SegmentStream as bytes, and GetServerInfo as messages. Bytes are parsed by
-/// wire::parse_bounded, because gRPC would build any message before our code sees it. gRPC also answers a request that
-/// it cannot parse with a bare UNIMPLEMENTED, and ends a stream with OK.
+/// The generated service with bytes instead of messages. They are parsed by wire::parse_bounded, because gRPC would
+/// build any message before our code sees it. gRPC also answers a request that it cannot parse with a bare
+/// UNIMPLEMENTED, and ends a stream with OK.
 using RawSegmentationService =
     v1::SegmentationService::WithRawCallbackMethod_Segment<v1::SegmentationService::WithRawCallbackMethod_SegmentStream<
-        v1::SegmentationService::WithCallbackMethod_GetServerInfo<v1::SegmentationService::Service>>>;
+        v1::SegmentationService::WithRawCallbackMethod_GetServerInfo<v1::SegmentationService::Service>>>;
 
 /// The RPCs of segserve.v1. Handlers never block: they check the request and hand it to the worker pool.
 class SegmentationService final : public RawSegmentationService {
@@ -39,8 +39,8 @@ class SegmentationService final : public RawSegmentationService {
                                     grpc::ByteBuffer* response) override;
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SegmentStream(
       grpc::CallbackServerContext* context) override;
-  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context, const v1::GetServerInfoRequest* request,
-                                          v1::GetServerInfoResponse* response) override;
+  grpc::ServerUnaryReactor* GetServerInfo(grpc::CallbackServerContext* context, const grpc::ByteBuffer* request,
+                                          grpc::ByteBuffer* response) override;
 
   /// From now on, new calls of Segment and SegmentStream and new frames are refused with UNAVAILABLE, DRAINING.
   void start_draining();

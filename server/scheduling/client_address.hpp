@@ -6,11 +6,9 @@
 
 namespace segserve::server {
 
-/// The part of gRPC's name of a peer, such as "ipv4:192.0.2.7:40312", that all connections of a machine have in common:
-/// the name without the port. Peers at a unix socket are one client.
-inline std::string client_address(std::string_view peer) {
-  if (peer.starts_with("unix")) return "unix";
-  return std::string(peer.substr(0, peer.rfind(':')));
-}
+/// What all connections of a client have in common, from gRPC's name of a peer, such as "ipv4:192.0.2.7:40312": the
+/// address without the port, and of an IPv6 address its network of 64 bits, because a host has all of that. Peers at a
+/// unix socket are one client.
+std::string client_address(std::string_view peer);
 
 }  // namespace segserve::server

@@ -14,9 +14,11 @@ constexpr double kPointsOfAnyJob = 1000;
 // How far behind the queue's virtual time a client may return, ns of a worker. A client that sends its next job when it
 // has the result of the last one would otherwise lose part of its share whenever a longer job was in its way.
 constexpr double kMaxLag = 1e9;
-// A job that took less was not done, for example because it was too late, so that it tells nothing about the time of
-// others. But if no job is done any more because all seem to take too long, that must be forgotten some time.
-constexpr std::chrono::microseconds kLeastTime{50};
+
+// A job that took less than this part of what was expected was not done, for example because it was too late. It tells
+// nothing about the time of others, but a little of the expectation is forgotten with it: if no job is done any more
+// because all seem to take too long, one has to be tried some time.
+constexpr double kLeastPart = 0.1;
 constexpr double kForgetting = 0.99;
 
 // With more clients than these, no client may return behind the queue's virtual time.
@@ -84,13 +86,14 @@ std::optional<FairQueue::Started> FairQueue::start_next() {
   if (next == clients_.end() || next->second.waiting.empty()) return std::nullopt;
 
   Client& client = next->second;
+  const Ticket ticket = client.waiting.begin()->first.ticket;
+  Running& running = running_[ticket];  // first of all, because it may throw
   auto first = client.waiting.extract(client.waiting.begin());
-  const Ticket ticket = first.key().ticket;
   waiting_.erase(ticket);
   virtual_time_ = std::max(virtual_time_, client.virtual_time);
-  const double charged = ns_per_point_ * cost_in_points(first.mapped().info.points);
-  client.virtual_time += charged;
-  running_.emplace(ticket, Running{std::move(first.mapped().info), charged});
+  running.charged = ns_per_point_ * cost_in_points(first.mapped().info.points);
+  running.info = std::move(first.mapped().info);
+  client.virtual_time += running.charged;
   return Started{ticket, std::move(first.mapped().job)};
 }
 
@@ -104,14 +107,7 @@ void FairQueue::finish(Ticket ticket, std::chrono::nanoseconds took) {
   Client& client = clients_.at(info.client);
   client.virtual_time += actual - job.mapped().charged;
   virtual_time_ += actual / static_cast<double>(clients_with_jobs);
-  if (took >= kLeastTime) {
-    const double ns_per_point = actual / cost_in_points(info.points);
-    ns_per_point_ += 0.1 * (ns_per_point - ns_per_point_);
-    if (client.ns_per_point == 0) client.ns_per_point = ns_per_point;
-    client.ns_per_point += 0.1 * (ns_per_point - client.ns_per_point);
-  } else {
-    client.ns_per_point *= kForgetting;
-  }
+  learn(client, actual, cost_in_points(info.points));
   subtract(client.held, info);
   subtract(held_, info);
   forget_clients();
@@ -186,8 +182,23 @@ Job FairQueue::take(Ticket ticket) {
 
 std::chrono::nanoseconds FairQueue::expected_time(const std::string& client, std::uint64_t points) const {
   const auto found = clients_.find(client);
-  const double ns_per_point = found == clients_.end() ? 0 : found->second.ns_per_point;
-  return std::chrono::nanoseconds(static_cast<std::int64_t>(ns_per_point * cost_in_points(points)));
+  if (found == clients_.end()) return {};
+  const double expected = std::min(found->second.ns_per_point * cost_in_points(points), found->second.ns_per_job);
+  return std::chrono::nanoseconds(static_cast<std::int64_t>(expected));
+}
+
+void FairQueue::learn(Client& client, double ns, double points) {
+  const double ns_per_point = ns / points;
+  const bool was_done = ns >= kLeastPart * std::min(client.ns_per_point * points, client.ns_per_job);
+  if (!was_done) {
+    client.ns_per_point *= kForgetting;
+    client.ns_per_job *= kForgetting;
+    return;
+  }
+  ns_per_point_ += 0.1 * (ns_per_point - ns_per_point_);
+  const bool is_first = client.ns_per_job == 0;
+  client.ns_per_point += (is_first ? 1 : 0.1) * (ns_per_point - client.ns_per_point);
+  client.ns_per_job += (is_first ? 1 : 0.1) * (ns - client.ns_per_job);
 }
 
 void FairQueue::forget_clients() {

@@ -98,7 +98,9 @@ class FairQueue {
   const QueueBounds& held() const { return held_; }
   /// Clients that are remembered: they have jobs, or had more or less than their share.
   std::size_t clients() const { return clients_.size(); }
-  /// How long a worker needs for a cloud of so many points, judged by earlier jobs of this client; 0 without any.
+  /// How long a worker needs for a cloud of so many points, judged by earlier jobs of this client: by their time per
+  /// point, but not longer than they took on average, because some take a time that has nothing to do with their
+  /// points. 0 without any.
   std::chrono::nanoseconds expected_time(const std::string& client, std::uint64_t points) const;
   /// How long one worker would need for all waiting and running jobs, judged by earlier ones.
   std::chrono::nanoseconds backlog() const;
@@ -115,11 +117,12 @@ class FairQueue {
   };
   struct Running {
     JobInfo info;
-    double charged;
+    double charged = 0;
   };
   struct Client {
     double virtual_time;      // ns
     double ns_per_point = 0;  // of its jobs; 0: none was done yet
+    double ns_per_job = 0;
     std::map<Rank, Waiting> waiting = {};
     QueueBounds held = {};  // waiting or running
   };
@@ -132,6 +135,8 @@ class FairQueue {
   Job take(Ticket ticket);
   /// The part of the queue that is held, of the bound that is nearest.
   double share(const QueueBounds& held) const;
+  /// A job of the client took so long.
+  void learn(Client& client, double ns, double points);
   void forget_clients();
 
   const QueueBounds bounds_;

@@ -97,7 +97,7 @@ WorkerPool::Turn WorkerPool::wait_for_turn(std::optional<std::chrono::steady_clo
   while (!stopping_ && queue_.waiting() == 0) {
     if (!idle_at) {
       work_or_stop_.wait(mutex_);
-    } else if (!work_or_stop_.wait_until(mutex_, *idle_at)) {
+    } else if (!work_or_stop_.wait_until(mutex_, *idle_at) && !stopping_ && queue_.waiting() == 0) {
       return Turn::kIdle;
     }
   }

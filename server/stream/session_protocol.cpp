@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/stream/session_protocol.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -10,6 +11,12 @@
 #include "server/stream/protocol_violation.hpp"
 
 namespace segserve::server {
+namespace {
+
+// Only the shape, the options and the layout of a frame are in its header; the payload comes in chunks.
+constexpr std::size_t kMostHeaderBytes = std::size_t{64} << 10U;
+
+}  // namespace
 
 absl::StatusOr<SessionProtocol::Event> SessionProtocol::receive(v1::SegmentStreamRequest& message, Time now) {
   using Kind = v1::SegmentStreamRequest::KindCase;
@@ -44,6 +51,9 @@ absl::StatusOr<SessionProtocol::Event> SessionProtocol::begin_frame(v1::FrameHea
   if (is_uploading()) {
     return protocol_violation(fmt::format("frame {} begins with {} bytes of frame {} missing", sequence,
                                           upload_->payload.missing(), *last_sequence_));
+  }
+  if (header.ByteSizeLong() > kMostHeaderBytes) {
+    return protocol_violation(fmt::format("the header of frame {} has more than {} bytes", sequence, kMostHeaderBytes));
   }
   RETURN_IF_ERROR(take_credit(header));
   last_sequence_ = sequence;
@@ -94,9 +104,12 @@ StreamFramePointer SessionProtocol::half_close() {
 
 StreamFramePointer SessionProtocol::stalled_upload(Time now, const UploadPace& pace) const {
   if (!is_uploading()) return nullptr;
-  const std::chrono::duration<double> all_bytes(static_cast<double>(upload_->header.encoded_bytes()) /
-                                                static_cast<double>(pace.least_rate));
-  const bool too_slow = now - last_chunk_ >= pace.between_chunks || now - upload_began_ >= pace.grace + all_bytes;
+  const std::uint64_t all = upload_->header.encoded_bytes(), received = all - std::min(all, upload_->payload.missing());
+  const double all_at_once = static_cast<double>(all) / std::chrono::duration<double>(pace.most_time).count();
+  const double rate = std::max(static_cast<double>(pace.least_rate), all_at_once);
+  const std::chrono::duration<double> time_of_received(static_cast<double>(received) / rate);
+  const bool too_slow =
+      now - last_chunk_ >= pace.between_chunks || now - upload_began_ >= pace.grace + time_of_received;
   return too_slow ? upload_ : nullptr;
 }
 

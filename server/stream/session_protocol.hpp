@@ -17,8 +17,9 @@ namespace segserve::server {
 /// How fast the payload of a frame must come.
 struct UploadPace {
   std::chrono::milliseconds between_chunks;  ///< at most
-  std::chrono::milliseconds grace;           ///< for the whole payload, besides the time of its bytes at `least_rate`
+  std::chrono::milliseconds grace;           ///< besides the time of the bytes that have come, at the least rate
   std::uint64_t least_rate;                  ///< bytes per second
+  std::chrono::milliseconds most_time;       ///< for the whole payload, besides `grace`
 };
 
 /// The server's side of the rules in stream.proto for one stream: the order of messages, credit, uploads in chunks, and

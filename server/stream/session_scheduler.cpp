@@ -67,6 +67,10 @@ bool SessionScheduler::drop_oldest(const StreamFrame& newest) {
 bool SessionScheduler::start(const StreamFramePointer& frame, Time now) {
   if (frame->state == State::kDone) return false;
   const FrameSettings& settings = frame->settings;
+  if (frame->cancelled) {
+    finish(frame, frame->why_cancelled, absl::OkStatus());
+    return false;
+  }
   if (settings.deadline && now + executor_.expected_time(settings.estimated_points) > *settings.deadline) {
     finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
     return false;

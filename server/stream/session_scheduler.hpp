@@ -35,8 +35,8 @@ class SessionScheduler {
   void add(const StreamFramePointer& frame);
   /// Queues a frame whose payload has come. The job calls `compute` on a worker, which calls `start` and `complete`.
   void submit(const StreamFramePointer& frame, const Computation& compute);
-  /// A worker has taken the frame. False if it must not be computed: its outcome is known, or there is not enough time
-  /// left for it, which ends it as EXPIRED.
+  /// A worker has taken the frame. False if it must not be computed: its outcome is known, it was cancelled, or there
+  /// is not enough time left for it, which ends it as EXPIRED.
   bool start(const StreamFramePointer& frame, Time now);
   /// A worker has computed the frame, which `start` allowed.
   void complete(const StreamFramePointer& frame, absl::StatusOr<FinishedFrame> computed, Time now);

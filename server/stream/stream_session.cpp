@@ -106,8 +106,8 @@ void StreamSession::on_tick() {
     mutex_.assert_held();
     const StreamFrame::Time now = settings_.now();
     scheduler_.expire(now);
-    const UploadPace pace{settings_.upload_timeout, settings_.upload_grace, settings_.least_upload_rate};
-    if (const StreamFramePointer frame = protocol_.stalled_upload(now, pace)) scheduler_.fail(frame, stalled());
+    const StreamFramePointer slow = protocol_.stalled_upload(now, settings_.upload_pace_now());
+    if (slow) scheduler_.fail(slow, stalled());
     if (scheduler_.in_flight() > 0 || !outbox_.empty()) last_message_ = now;
     if (now - last_message_ >= settings_.idle_timeout) return idle(settings_.idle_timeout);
     return absl::OkStatus();

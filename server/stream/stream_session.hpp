@@ -35,16 +35,24 @@ struct StreamSettings {
   std::uint64_t max_voxels = 0;                    ///< of a frame
   v1::StreamOpened greeting = {};                  ///< the answer to StreamOpen without the credit
   std::chrono::milliseconds upload_timeout{5000};  ///< between two chunks of a frame
-  /// A frame's upload may take `upload_grace` and the time of its bytes at this rate, bytes per second.
+  /// A frame's upload may at any time have taken `upload_grace` and the time of the bytes that have come, at this rate,
+  /// bytes per second. While others find no memory, it has a shorter grace, and must be on the way to be complete
+  /// within `short_upload_time`, because a header alone holds the memory of the whole payload.
   std::uint64_t least_upload_rate = std::uint64_t{16} << 10U;
-  std::chrono::milliseconds upload_grace{10'000};
+  std::chrono::milliseconds upload_grace{10'000}, short_upload_grace{2'000}, short_upload_time{30'000};
   /// For the client to read a message; the shorter one while others find no memory.
   std::chrono::milliseconds result_timeout{30'000}, short_result_timeout{3'000};
   std::chrono::milliseconds idle_timeout{600'000};  ///< without a message or a frame; the stream ends then
   std::function<Clock::time_point()> now = Clock::now;
 
+  bool is_memory_short() const { return ledger != nullptr && ledger->is_short(); }
   std::chrono::milliseconds result_timeout_now() const {
-    return ledger != nullptr && ledger->is_short() ? short_result_timeout : result_timeout;
+    return is_memory_short() ? short_result_timeout : result_timeout;
+  }
+  UploadPace upload_pace_now() const {
+    constexpr std::chrono::hours kAnyTime{24 * 365};
+    return is_memory_short() ? UploadPace{upload_timeout, short_upload_grace, least_upload_rate, short_upload_time}
+                             : UploadPace{upload_timeout, upload_grace, least_upload_rate, kAnyTime};
   }
 };
 

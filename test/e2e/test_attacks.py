@@ -143,6 +143,34 @@ class Attacks(EndToEnd):
             self.assertEqual(code, grpc.StatusCode.INVALID_ARGUMENT, text)
         self.assertLess(time.monotonic() - began, 5)
 
+    def test_a_header_of_megabytes_is_refused(self):
+        name = delimited(1, b"n" * (4 * MIB))
+        code, text = self.end_of_stream(OPEN, delimited(2, b"\x08\x01" + delimited(5, delimited(18, delimited(1, name)))))
+        self.assertEqual(code, grpc.StatusCode.INVALID_ARGUMENT)
+        self.assertIn("the header of frame 1 has more than 65536 bytes", text)
+
+    def test_unknown_fields_for_server_info_are_not_parsed(self):
+        info = self.channel.unary_unary("/segserve.v1.SegmentationService/GetServerInfo")
+        for call in [info.future(b"\x7a\0" * (4 * MIB), timeout=60) for _ in range(8)]:
+            self.assertIn(b"border", call.result())
+
+    def test_an_upload_that_claims_much_and_sends_little_makes_way(self):
+        claim = delimited(2, b"\x08\x01" + delimited(5, delimited(17, delimited(1, b"\x20" + varint(120 * MIB)))) +
+                          b"\x30" + varint(120 * MIB))
+        wants_much = delimited(1, delimited(6, b"\x10" + varint(512 * MIB)))
+        more = threading.Event()
+
+        def messages():
+            yield from (wants_much, claim)
+            while not more.wait(1):
+                yield delimited(3, b"\x08\x01" + delimited(2, b"x"))
+
+        stream = self.stream(messages())
+        next(stream)
+        self.segment(self.scene, "--timeout", "15")  # after some refusals
+        more.set()
+        stream.cancel()
+
     def test_a_frame_header_alone_holds_no_memory(self):
         header = delimited(2, b"\x08\x01" + delimited(5, b"") + b"\x30" + varint(30 * MIB))
         before = self.memory("VmRSS")

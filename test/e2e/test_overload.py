@@ -11,6 +11,7 @@ from harness import SEGCTL, EndToEnd
 class Overload(EndToEnd):
     server_flags = ("--workers", "1")
     SECONDS = int(os.environ.get("OVERLOAD_SECONDS", "5"))
+    LEAST_SHARE = 0.9 if SECONDS >= 30 else 0.7  # of the peak; a few seconds on a shared machine tell no more
 
     def measure(self, *flags):
         done = subprocess.run([SEGCTL, "bench", "--server", self.server.address, "--clients", "8", "--size", "160x120",
@@ -24,7 +25,7 @@ class Overload(EndToEnd):
         for factor in (6, 10):
             told = self.measure("--rate", str(factor * peak))
             # The frames that were due in this time are answered within as long a time, some two seconds later.
-            self.assertGreater(told["frames"]["results"] / self.SECONDS, 0.9 * peak, told)
+            self.assertGreater(told["frames"]["results"] / self.SECONDS, self.LEAST_SHARE * peak, told)
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/file/known_formats.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"
 
@@ -85,7 +86,9 @@ bool has_extension(const std::string& path, std::string_view extension) {
 
 absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                           std::optional<View> view) {
-  return is_ply(as_text(bytes)) ? decode_ply(bytes, limits, view) : decode_pcd(bytes, limits, view);
+  if (is_ply(as_text(bytes))) return decode_ply(bytes, limits, view);
+  if (const auto advice = advice_on_format(as_text(bytes))) return absl::InvalidArgumentError(*advice);
+  return decode_pcd(bytes, limits, view);
 }
 
 absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, std::optional<View> view, const DecodeLimits& limits) {

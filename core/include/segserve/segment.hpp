@@ -101,6 +101,9 @@ class Segmenter {
 
  private:
   struct Workspace;
+  absl::StatusOr<Segmentation> segment_within(const CloudView& cloud, const Options& options, const StopToken& stop,
+                                              const Admission& admit);
+
   std::unique_ptr<Workspace> workspace_;
 };
 

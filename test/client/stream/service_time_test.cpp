@@ -21,6 +21,16 @@ TEST(ServiceTime, IsAboveTheMeanByTheSpread) {
   EXPECT_LT(changing.bound(), 200ms);
 }
 
+TEST(ServiceTime, AFrameThatWasGivenUpMakesNothingSeemFaster) {
+  ServiceTime time;
+  for (int i = 0; i < 100; ++i) time.add(100ms);
+  const auto before = time.bound();
+  time.add_at_least(1ms);
+  EXPECT_EQ(time.bound(), before);
+  time.add_at_least(500ms);
+  EXPECT_GT(time.bound(), before);
+}
+
 TEST(ServiceTime, FollowsAServerThatBecomesFaster) {
   ServiceTime time;
   for (int i = 0; i < 100; ++i) time.add(1s);

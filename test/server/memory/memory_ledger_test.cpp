@@ -112,6 +112,30 @@ TEST_P(MemoryLedgerShares, WhileOthersAreRefusedNobodyGetsMoreThanAShare) {
   EXPECT_TRUE(take(10)) << "the other client has what it wanted";
 }
 
+TEST(MemoryLedger, ACrowdThatWasRefusedGetsWhatBecomesFree) {
+  MemoryLedger ledger(100);
+  auto all = ledger.lease(kMe, 100);
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(ledger.lease({"crowded", std::to_string(i)}, 30));
+  for (int i = 0; i < 50; ++i) EXPECT_FALSE(ledger.lease({std::to_string(i), "alone"}, 30));
+  all->release();
+  auto first = ledger.lease({"crowded", "7"}, 30);
+  ASSERT_TRUE(first) << "it holds nothing, and everything is free";
+  first->resize(30);
+  EXPECT_FALSE(ledger.lease({"crowded", "7"}, 30)) << "the others wait";
+  EXPECT_TRUE(ledger.lease({"33", "alone"}, 30));
+}
+
+TEST(MemoryLedger, AFrameThatCannotGrowCountsAsRefused) {
+  MemoryLedger ledger(100);
+  auto other = ledger.lease(kOther, 90);
+  ASSERT_TRUE(other && other->resize(90));
+  auto mine = ledger.lease(kMe, 5);
+  ASSERT_TRUE(mine);
+  EXPECT_FALSE(ledger.is_short());
+  EXPECT_FALSE(mine->resize(20));
+  EXPECT_TRUE(ledger.is_short());
+}
+
 TEST(MemoryLedger, ManyStreamsOfOneAddressShareItsPart) {
   MemoryLedger ledger(100);
   std::vector<MemoryLease> crowd;

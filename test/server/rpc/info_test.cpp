@@ -81,7 +81,7 @@ TEST(ServerInfo, DefaultsAreThoseOfThisServer) {
 
 /// Asks grpc.reflection.v1alpha for its list of services. Uses bytes instead of generated messages, which would be in
 /// this process twice.
-std::string reflected_services(RunningServer& server) {
+absl::StatusOr<std::string> reflected_services(RunningServer& server) {
   grpc::GenericStub stub(server.channel());
   grpc::CompletionQueue queue;
   grpc::ClientContext context;
@@ -99,19 +99,26 @@ std::string reflected_services(RunningServer& server) {
   call->Read(&response, nullptr);
   queue.Next(&tag, &ok);
   grpc::Slice bytes;
-  EXPECT_TRUE(ok && response.DumpToSingleSlice(&bytes).ok());
+  const bool has_response = ok && response.DumpToSingleSlice(&bytes).ok();
   grpc::Status status;
   call->Finish(&status, nullptr);
   queue.Next(&tag, &ok);
-  EXPECT_TRUE(status.ok()) << status.error_message();
-  return {reinterpret_cast<const char*>(bytes.begin()), bytes.size()};
+  if (!status.ok()) return wire::from_grpc(status);
+  EXPECT_TRUE(has_response);
+  return std::string(reinterpret_cast<const char*>(bytes.begin()), bytes.size());
 }
 
-TEST(Reflection, ListsOurServiceAndHealth) {
-  RunningServer server;
-  const std::string services = reflected_services(server);
-  EXPECT_THAT(services, testing::HasSubstr("segserve.v1.SegmentationService"));
-  EXPECT_THAT(services, testing::HasSubstr("grpc.health.v1.Health"));
+TEST(Reflection, ListsOurServiceAndHealthIfItIsAskedFor) {
+  ServerOptions options = small_server();
+  options.reflection = true;
+  RunningServer server(options);
+  const auto services = reflected_services(server);
+  ASSERT_TRUE(services.ok()) << services.status();
+  EXPECT_THAT(*services, testing::HasSubstr("segserve.v1.SegmentationService"));
+  EXPECT_THAT(*services, testing::HasSubstr("grpc.health.v1.Health"));
+
+  RunningServer without;
+  EXPECT_TRUE(absl::IsUnimplemented(reflected_services(without).status()));
 }
 
 }  // namespace

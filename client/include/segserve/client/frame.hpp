@@ -41,7 +41,7 @@ struct FrameOptions {
 enum class OutcomeKind : std::uint8_t {
   kResult,     ///< it was segmented
   kDropped,    ///< it made way for a newer frame
-  kExpired,    ///< its time to live was over
+  kExpired,    ///< its time to live was over, or too little of it was left to compute the frame
   kCancelled,  ///< by cancel(), or because the stream was closed
   kFailed,     ///< because of an error
 };

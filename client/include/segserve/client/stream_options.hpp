@@ -16,7 +16,7 @@ namespace segserve::client {
 
 /// Says what happens to frames that come faster than they are segmented.
 enum class WhenBehind : std::uint8_t {
-  kBlock,       ///< send() waits; nothing is lost
+  kBlock,       ///< send() waits; nothing is lost but by a frame's own deadline
   kDropOldest,  ///< the oldest frame that waits ends as kDropped: for robots that want the newest scene
   kReject,      ///< send() fails with RESOURCE_EXHAUSTED
 };
@@ -56,7 +56,8 @@ struct StreamOptions {
   /// server grants fails.
   std::uint64_t wanted_bytes = 0;
 
-  /// A frame without an outcome fails after this time with DEADLINE_EXCEEDED; 1 ms to a day.
+  /// A frame without an outcome fails after this time with DEADLINE_EXCEEDED; 1 ms to a day. It fails earlier if others
+  /// wait and too little time is left for its answer, judged by the frames before.
   std::chrono::milliseconds frame_timeout{30'000};
   /// A connection without a sign of life for this time is given up; 2 ms to a day. A server that computes for long
   /// answers a probe in between.

@@ -23,7 +23,8 @@ enum class FileEncoding : std::uint8_t {
 };
 
 /// Decodes the bytes of a file: as PLY if they begin with PLY's magic line (is_ply), otherwise as PCD. A given `view`
-/// replaces the one that the format's own rule would choose. The errors are those of decode_ply and decode_pcd.
+/// replaces the one that the format's own rule would choose. The errors are those of decode_ply and decode_pcd;
+/// INVALID_ARGUMENT names other formats that are known, and says what to do with such a file.
 absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                           std::optional<View> view = std::nullopt);
 

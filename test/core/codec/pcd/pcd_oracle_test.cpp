@@ -3,6 +3,7 @@
 
 #include <pcl/io/pcd_io.h>
 #include <pcl/point_types.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -18,7 +19,8 @@ namespace {
 class PclOracle : public testing::TestWithParam<PcdEncoding> {
  protected:
   void SetUp() override {
-    path_ = testing::TempDir() + "segserve_pcl_oracle_" + std::to_string(static_cast<int>(GetParam())) + ".pcd";
+    // Other tests, and other runs of this one, have files of their own.
+    path_ = testing::TempDir() + "segserve_pcl_oracle_" + std::to_string(getpid()) + ".pcd";
   }
   void TearDown() override { std::filesystem::remove(path_); }
 
