@@ -23,9 +23,6 @@ std::unique_ptr<std::vector<char>> leave_a_hole(std::uint64_t bytes) {
 }
 
 TEST(MemoryReturn, GivesFreedMemoryBackOnceNothingIsLeased) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "sanitizers have an allocator of their own";
-#endif
   MemoryLedger ledger(1000);
   MemoryReturn memory_return(ledger);
   MemoryReturn::Time now{seconds(100)};
