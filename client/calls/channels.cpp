@@ -14,7 +14,7 @@ namespace {
 
 bool is_loopback(std::string_view address) {
   return address.starts_with("127.") || address.starts_with("localhost:") || address.starts_with("[::1]") ||
-         address.starts_with("unix");
+         address.starts_with("unix:");
 }
 
 std::shared_ptr<grpc::Channel> make_channel(const std::string& address, bool use_proxy) {

@@ -53,7 +53,8 @@ std::optional<std::uint64_t> excess(const absl::Status& status, const std::strin
 }
 
 /// Decodes within the memory that it has leased. A payload may be larger than it seemed, such as a compressed PCD file
-/// of which the request does not tell the number of points: it is decoded again with what it turned out to need.
+/// of which the request does not tell the number of points: it is decoded again with what it turned out to need, or
+/// with twice as much if that fits, so that few attempts are needed.
 absl::StatusOr<wire::DecodedCloud> decode_within(const v1::Cloud& payload, const FrameSettings& settings,
                                                  const StopToken& stop, FrameMemory& memory) {
   constexpr std::uint64_t kScratchPerPoint = 32, kLeastPoints = 4096;
@@ -67,10 +68,12 @@ absl::StatusOr<wire::DecodedCloud> decode_within(const v1::Cloud& payload, const
     if (decoded.ok()) return decoded;
     const auto points = excess(decoded.status(), "max_points"), bytes = excess(decoded.status(), "max_decoded_bytes");
     if (points && limits.max_points < most.max_points) {
-      limits.max_points = std::min(most.max_points, *points);
+      const std::uint64_t fitting = memory.most_bytes() / (2 * kScratchPerPoint);
+      limits.max_points = std::min(most.max_points, std::max(*points, std::min(fitting, 2 * limits.max_points)));
       limits.max_bytes = std::min(most.max_bytes, std::max(limits.max_bytes, kScratchPerPoint * limits.max_points));
     } else if (bytes && limits.max_bytes < most.max_bytes) {
-      limits.max_bytes = std::min(most.max_bytes, *bytes);
+      const std::uint64_t fitting = memory.most_bytes() / 2;
+      limits.max_bytes = std::min(most.max_bytes, std::max(*bytes, std::min(fitting, 2 * limits.max_bytes)));
     } else {
       return decoded;
     }

@@ -14,8 +14,8 @@ FileDescriptors file_descriptors() {
   getrlimit(RLIMIT_NOFILE, &limit);
   std::error_code error;
   const std::filesystem::directory_iterator files("/proc/self/fd", error);
-  if (error) return {.open = limit.rlim_cur, .most = limit.rlim_cur};  // none is left even for that
-  return {.open = static_cast<std::uint64_t>(std::distance(begin(files), end(files))), .most = limit.rlim_cur};
+  if (error) return {.open = limit.rlim_cur, .limit = limit.rlim_cur};  // none is left even for that
+  return {.open = static_cast<std::uint64_t>(std::distance(begin(files), end(files))), .limit = limit.rlim_cur};
 }
 
 void raise_file_descriptor_limit() {

@@ -8,7 +8,7 @@ namespace segserve::server {
 /// File descriptors of this process: one for each connection, and some twenty others.
 struct FileDescriptors {
   std::uint64_t open = 0;
-  std::uint64_t most = 0;  ///< the limit
+  std::uint64_t limit = 0;
 };
 
 FileDescriptors file_descriptors();

@@ -76,7 +76,8 @@ Listener probe(const SocketAddress& target, std::chrono::milliseconds timeout) {
   const auto rest = std::chrono::duration_cast<std::chrono::microseconds>(timeout - seconds);
   const timeval limit{.tv_sec = seconds.count(), .tv_usec = rest.count()};
   setsockopt(connection, SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof(limit));
-  setsockopt(connection, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof(limit));  // also of connecting
+  // The limit of sending is also that of connecting.
+  setsockopt(connection, SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof(limit));
   const Listener found = greet(connection, target);
   close(connection);
   return found;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -41,6 +42,10 @@ absl::Status in_use_by_others() {
 }
 
 }  // namespace
+
+std::uint64_t FrameMemory::most_bytes() const {
+  return ledger_ == nullptr ? std::numeric_limits<std::uint64_t>::max() : ledger_->budget();
+}
 
 absl::Status FrameMemory::check_budget(std::uint64_t bytes) const {
   if (bytes <= ledger_->budget()) return absl::OkStatus();

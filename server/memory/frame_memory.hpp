@@ -35,6 +35,8 @@ class FrameMemory {
   void keep_result(std::uint64_t bytes);
 
   std::uint64_t bytes() const { return lease_.bytes(); }
+  /// The most that it can ever hold.
+  std::uint64_t most_bytes() const;
 
  private:
   absl::Status check_budget(std::uint64_t bytes) const;

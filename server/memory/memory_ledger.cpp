@@ -79,13 +79,13 @@ std::optional<MemoryLease> MemoryLedger::lease(const MemoryOwner& owner, std::ui
   lease.bytes_ = bytes;
   const MutexLock lock(mutex_);
   forget_refusals(now);
-  Address& address = addresses_[owner.address];
-  Holding& stream = address.streams[owner.stream];
+  addresses_[owner.address].streams.try_emplace(owner.stream);
   if (!has_room_for(owner, bytes)) {
-    note_refusal(address, stream, now);
+    note_refusal(owner, now);
     return std::nullopt;
   }
-  add(owner, bytes, 1);
+  for (Holding* holding : holdings_of(owner)) ++holding->leases;
+  change(owner, 0, bytes);
   waiting_ += bytes;
   lease.ledger_ = this;
   return lease;
@@ -112,9 +112,9 @@ bool MemoryLedger::has_room_for(const MemoryOwner& owner, std::uint64_t bytes) c
   };
   const Address& address = addresses_.find(owner.address)->second;
   std::uint64_t limit = budget_;
-  if (others_were_refused(addresses_, owner.address, [](const Address& other) { return other.all; })) {
+  if (others_were_refused(addresses_, owner.address, [](const Address& other) { return other.total; })) {
     limit /= addresses_.size();
-    if (address.all.bytes > 0 && address.all.bytes + bytes > limit) return false;
+    if (address.total.bytes > 0 && address.total.bytes + bytes > limit) return false;
   }
   // Who holds nothing gets what is free, even if it is more than a share: else a crowd could refuse each other for
   // ever.
@@ -134,21 +134,22 @@ void MemoryLedger::forget_refusals(Time now) {
     for (auto stream = streams.begin(); stream != streams.end();) {
       stream = forget(stream->second) ? streams.erase(stream) : std::next(stream);
     }
-    address = forget(address->second.all) ? addresses_.erase(address) : std::next(address);
+    address = forget(address->second.total) ? addresses_.erase(address) : std::next(address);
   }
 }
 
-void MemoryLedger::add(const MemoryOwner& owner, std::uint64_t bytes, std::size_t leases) {
+std::array<MemoryLedger::Holding*, 2> MemoryLedger::holdings_of(const MemoryOwner& owner) {
   Address& address = addresses_.find(owner.address)->second;
-  for (Holding* holding : {&address.all, &address.streams.find(owner.stream)->second}) {
-    holding->bytes += bytes;
-    holding->leases += leases;
-  }
-  leased_ += bytes;
+  return {&address.total, &address.streams.find(owner.stream)->second};
 }
 
-void MemoryLedger::note_refusal(Address& address, Holding& stream, Time now) {
-  address.all.refused_until = stream.refused_until = now + kRefusalCountsFor;
+void MemoryLedger::change(const MemoryOwner& owner, std::uint64_t before, std::uint64_t after) {
+  for (Holding* holding : holdings_of(owner)) holding->bytes = holding->bytes - before + after;
+  leased_ = leased_ - before + after;
+}
+
+void MemoryLedger::note_refusal(const MemoryOwner& owner, Time now) {
+  for (Holding* holding : holdings_of(owner)) holding->refused_until = now + kRefusalCountsFor;
   last_refusal_ = now;
 }
 
@@ -156,12 +157,11 @@ bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
   const Time now = now_();
   const MutexLock lock(mutex_);
   if (bytes > lease.bytes_ && bytes - lease.bytes_ > budget_ - leased_) {
-    Address& address = addresses_.find(lease.owner_.address)->second;
-    note_refusal(address, address.streams.find(lease.owner_.stream)->second, now);
+    note_refusal(lease.owner_, now);
     return false;
   }
   if (std::exchange(lease.waits_, false)) waiting_ -= lease.bytes_;
-  add(lease.owner_, bytes - lease.bytes_, 0);
+  change(lease.owner_, lease.bytes_, bytes);
   lease.bytes_ = bytes;
   return true;
 }
@@ -169,7 +169,8 @@ bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
 void MemoryLedger::release(const MemoryLease& lease) {
   const MutexLock lock(mutex_);
   if (lease.waits_) waiting_ -= lease.bytes_;
-  add(lease.owner_, 0 - lease.bytes_, static_cast<std::size_t>(-1));
+  change(lease.owner_, lease.bytes_, 0);
+  for (Holding* holding : holdings_of(lease.owner_)) --holding->leases;
 }
 
 std::uint64_t available_memory() {

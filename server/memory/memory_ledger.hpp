@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -51,10 +52,10 @@ class MemoryLease {
 /// clouds, the workspace of segmentation, and results until they are read. Memory is leased before it is allocated.
 /// Thread-safe.
 ///
-/// Two rules keep it useful for everybody. What only waits gets at most half of the budget, unless it is alone, so that
-/// what is computed finds room. And for some seconds after one was refused, others that hold something get no more than
-/// their share. All that hold something or were refused lately have equal shares: addresses of the budget, streams of
-/// their address's.
+/// Two rules keep it useful for everybody. Frames that only wait get at most half of the budget, unless one waits
+/// alone, so that those that are computed find room. And for some seconds after one was refused, others that hold
+/// something get no more than their share. All that hold something or were refused lately have equal shares: addresses
+/// of the budget, streams of their address's.
 class MemoryLedger {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -79,15 +80,18 @@ class MemoryLedger {
     Time refused_until{};  // it may come again, so that others must not take more than their share until then
   };
   struct Address {
-    Holding all;
+    Holding total;
     std::map<std::string, Holding> streams = {};
   };
 
   bool has_room_for(const MemoryOwner& owner, std::uint64_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  void note_refusal(Address& address, Holding& stream, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void note_refusal(const MemoryOwner& owner, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void forget_refusals(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// Adds to what the owner holds; wraps around for what is subtracted.
-  void add(const MemoryOwner& owner, std::uint64_t bytes, std::size_t leases) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// What the owner holds of its address, and for its stream.
+  std::array<Holding*, 2> holdings_of(const MemoryOwner& owner) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  /// A lease of the owner has `after` bytes instead of `before`.
+  void change(const MemoryOwner& owner, std::uint64_t before, std::uint64_t after)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   bool resize(MemoryLease& lease, std::uint64_t bytes);
   void release(const MemoryLease& lease);
 

@@ -13,7 +13,7 @@ namespace segserve::server {
 namespace {
 
 constexpr std::chrono::seconds kBetweenLooks{5};
-constexpr std::uint64_t kIdleLooks = 3;  // when idle workers have given up their buffers, too
+constexpr std::uint64_t kIdleLooks = 3;  // by then idle workers have given up their buffers, too
 constexpr std::uint64_t kWorthwhile = std::uint64_t{8} << 20U;
 
 }  // namespace

@@ -58,7 +58,7 @@ SegmentCall::SegmentCall(SegmentationService& service, grpc::CallbackServerConte
 
 void SegmentCall::start(grpc::ByteBuffer& request) {
   self_ = shared_from_this();
-  const absl::Status status = catch_exceptions([&] { return admit(request); });
+  const absl::Status status = catch_exceptions("process this frame", [&] { return admit(request); });
   if (!status.ok()) finish(status);
 }
 
@@ -80,7 +80,10 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
   JobInfo info{.client = context_.peer(), .points = settings.estimated_points, .bytes = bytes};
   Job job{.run = [this, settings](std::size_t worker) { run(worker, settings); },
           .evicted =
-              [this] { finish(catch_exceptions([&] { return evicted_from_queue(service_.pool_.retry_delay()); })); }};
+              [this] {
+                finish(catch_exceptions("tell why the call ends",
+                                        [&] { return evicted_from_queue(service_.pool_.retry_delay()); }));
+              }};
   const auto submitted = service_.pool_.submit(std::move(info), std::move(job));
   if (const Refusal* refusal = std::get_if<Refusal>(&submitted)) {
     return queue_full(*refusal, service_.pool_.retry_delay());
@@ -91,7 +94,7 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
 }
 
 void SegmentCall::run(std::size_t worker, const FrameSettings& settings) {
-  finish(catch_exceptions([&]() -> absl::Status {
+  finish(catch_exceptions("process this frame", [&]() -> absl::Status {
     if (deadline_ &&
         Clock::now() + service_.pool_.expected_time(context_.peer(), settings.estimated_points) > *deadline_) {
       return absl::DeadlineExceededError("the call waited for a worker until too little time was left to compute it");
@@ -118,7 +121,7 @@ absl::Status SegmentCall::answer(v1::SegmentationResult result) {
 
 void SegmentCall::OnCancel() {
   cancelled_ = true;
-  withdraw(catch_exceptions([&] {
+  withdraw(catch_exceptions("tell why the call ends", [&] {
     return deadline_ && Clock::now() >= *deadline_
                ? absl::DeadlineExceededError("the deadline passed while the call waited for a worker")
                : absl::CancelledError("cancelled while the call waited for a worker");
@@ -128,7 +131,7 @@ void SegmentCall::OnCancel() {
 void SegmentCall::abort() {
   aborted_ = true;
   cancelled_ = true;
-  withdraw(catch_exceptions(draining));
+  withdraw(catch_exceptions("tell why the call ends", draining));
 }
 
 void SegmentCall::withdraw(const absl::Status& status) {
@@ -136,7 +139,7 @@ void SegmentCall::withdraw(const absl::Status& status) {
 }
 
 void SegmentCall::finish(const absl::Status& status) {
-  const absl::Status told = catch_exceptions([&] {
+  const absl::Status told = catch_exceptions("tell why the call ends", [&] {
     absl::Status final = aborted_ && !status.ok() ? draining() : status;
     log_call(context_, request_.request_id(), summary_, final);
     return final;

@@ -75,7 +75,7 @@ SegmentationService::SegmentationService(const ServerOptions& options, const Bac
       }) {}
 
 void SegmentationService::free_buffers(std::size_t worker) {
-  const absl::Status status = catch_exceptions([&] {
+  const absl::Status status = catch_exceptions("free the buffers of a worker", [&] {
     backends_[worker]->free_buffers();
     return absl::OkStatus();
   });
@@ -100,7 +100,7 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
     reactor->Finish(final_status(draining()));
     return reactor;
   }
-  const auto call = catch_exceptions([&]() -> absl::StatusOr<std::shared_ptr<SegmentCall>> {
+  const auto call = catch_exceptions("begin a call", [&]() -> absl::StatusOr<std::shared_ptr<SegmentCall>> {
     auto admitted = std::make_shared<SegmentCall>(*this, *context, *response);
     unary_calls_.add(admitted);
     return admitted;
@@ -119,7 +119,7 @@ grpc::ServerUnaryReactor* SegmentationService::Segment(grpc::CallbackServerConte
 grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* SegmentationService::SegmentStream(
     grpc::CallbackServerContext* context) {
   if (!calls_.admit()) return new RefusedStream(draining());  // deletes itself
-  const auto transport = catch_exceptions([&]() -> absl::StatusOr<std::shared_ptr<SessionTransport>> {
+  const auto transport = catch_exceptions("begin a stream", [&]() -> absl::StatusOr<std::shared_ptr<SessionTransport>> {
     // For the workers each stream counts as a client, whether or not streams share a connection.
     const std::string client = fmt::format("{} stream {}", context->peer(), ++streams_so_far_);
     auto executor = std::make_unique<PoolFrameExecutor>(pool_, backends_, client);
@@ -140,7 +140,7 @@ grpc::ServerUnaryReactor* SegmentationService::GetServerInfo(grpc::CallbackServe
                                                              grpc::ByteBuffer* response) {
   // The request has no fields, so that it is not looked at. Nobody else uses its bytes.
   const_cast<grpc::ByteBuffer*>(request)->Clear();
-  const absl::Status status = catch_exceptions([&] {
+  const absl::Status status = catch_exceptions("answer GetServerInfo", [&] {
     bool owns_buffer = false;
     const grpc::Status written =
         grpc::SerializationTraits<v1::GetServerInfoResponse>::Serialize(info_, response, &owns_buffer);

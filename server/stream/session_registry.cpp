@@ -10,16 +10,10 @@
 namespace segserve::server {
 
 SessionRegistry::SessionRegistry(std::chrono::milliseconds tick, std::function<void()> on_tick)
-    : tick_(tick), on_tick_(std::move(on_tick)), thread_([this] { run(); }) {}
-
-SessionRegistry::~SessionRegistry() {
-  {
-    const MutexLock lock(mutex_);
-    stopping_ = true;
-    stop_requested_.notify_all();
-  }
-  thread_.join();
-}
+    : on_tick_(std::move(on_tick)), ticker_(tick, [this] {
+        this->tick();
+        return true;
+      }) {}
 
 void SessionRegistry::add(const std::shared_ptr<StreamSession>& session) {
   bool draining = false;
@@ -53,24 +47,14 @@ SessionRegistry::Sessions SessionRegistry::snapshot() const {
   return sessions_;
 }
 
-void SessionRegistry::run() {
-  while (wait_for_tick()) {
-    // Without memory for a tick, the next one does its work.
-    const absl::Status ticked = catch_exceptions([this] {
-      for (const auto& session : snapshot()) session->on_tick();
-      if (on_tick_) on_tick_();
-      return absl::OkStatus();
-    });
-    ticked.IgnoreError();
-  }
-}
-
-bool SessionRegistry::wait_for_tick() {
-  const auto next_tick = std::chrono::steady_clock::now() + tick_;
-  const MutexLock lock(mutex_);
-  while (!stopping_ && stop_requested_.wait_until(mutex_, next_tick)) {
-  }
-  return !stopping_;
+void SessionRegistry::tick() {
+  // Without memory for a tick, the next one does its work.
+  const absl::Status ticked = catch_exceptions("look for what takes too long", [this] {
+    for (const auto& session : snapshot()) session->on_tick();
+    if (on_tick_) on_tick_();
+    return absl::OkStatus();
+  });
+  ticked.IgnoreError();
 }
 
 }  // namespace segserve::server

@@ -5,22 +5,19 @@
 #include <functional>
 #include <memory>
 #include <set>
-#include <thread>
 
 #include "absl/base/thread_annotations.h"
 #include "core/base/mutex.hpp"
+#include "server/scheduling/ticker.hpp"
 #include "server/stream/stream_session.hpp"
 
 namespace segserve::server {
 
-/// The open streams of a server, and the thread that calls StreamSession::on_tick for all of them. Thread-safe.
+/// The open streams of a server. Calls StreamSession::on_tick for all of them on a thread of its own. Thread-safe.
 class SessionRegistry {
  public:
-  /// `on_tick` is called at every tick, too, and must not throw.
+  /// `on_tick` is called at every tick, after the sessions. If it throws, the next tick does its work.
   explicit SessionRegistry(std::chrono::milliseconds tick, std::function<void()> on_tick = nullptr);
-  ~SessionRegistry();
-  SessionRegistry(const SessionRegistry&) = delete;
-  SessionRegistry& operator=(const SessionRegistry&) = delete;
 
   void add(const std::shared_ptr<StreamSession>& session);
   void remove(const std::shared_ptr<StreamSession>& session);
@@ -33,20 +30,15 @@ class SessionRegistry {
  private:
   using Sessions = std::set<std::shared_ptr<StreamSession>>;
 
-  void run();
-  /// False if the thread shall end.
-  bool wait_for_tick();
+  void tick();
   /// Sessions are called without the lock: they may end within the call, and are then removed.
   Sessions snapshot() const;
 
-  const std::chrono::milliseconds tick_;
   const std::function<void()> on_tick_;
   mutable Mutex mutex_;
-  CondVar stop_requested_;
   Sessions sessions_ ABSL_GUARDED_BY(mutex_);
   bool draining_ ABSL_GUARDED_BY(mutex_) = false;
-  bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;
+  Ticker ticker_;  // is destroyed first
 };
 
 }  // namespace segserve::server

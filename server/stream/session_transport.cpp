@@ -35,8 +35,8 @@ void SessionTransport::OnReadDone(bool ok) {
     return;
   }
   v1::SegmentStreamRequest message;
-  const absl::Status parsed =
-      catch_exceptions([&] { return wire::parse_bounded(request_, "SegmentStreamRequest", message); });
+  const absl::Status parsed = catch_exceptions(
+      "read a message", [&] { return wire::parse_bounded(request_, "SegmentStreamRequest", message); });
   if (parsed.ok()) {
     session_->on_message(message);
   } else {
@@ -64,7 +64,7 @@ void SessionTransport::advance() {
     if (writing_) {
       is_unread = StreamSettings::Clock::now() - write_began_ >= settings_->result_timeout_now();
     } else {
-      const absl::StatusOr<bool> has_next = catch_exceptions([&] { return next_response(); });
+      const absl::StatusOr<bool> has_next = catch_exceptions("write a message", [&] { return next_response(); });
       if (!has_next.ok()) session_->end(has_next.status());
       if (has_next.ok() && *has_next) {
         writing_ = true;
@@ -95,7 +95,7 @@ void SessionTransport::OnCancel() { end_call("the client gave up, or its deadlin
 
 void SessionTransport::end_call(const char* why) {
   // It wakes this object, which finishes the call.
-  session_->on_cancel(catch_exceptions([why] { return absl::CancelledError(why); }));
+  session_->on_cancel(catch_exceptions("tell why the stream ends", [why] { return absl::CancelledError(why); }));
 }
 
 void SessionTransport::OnDone() {

@@ -56,7 +56,7 @@ template <typename Function>
 void StreamSession::change(Function&& function) {
   {
     const MutexLock lock(mutex_);
-    const absl::Status status = catch_exceptions(function);
+    const absl::Status status = catch_exceptions("process a message of the stream", function);
     if (!status.ok()) end_with(status);
   }
   wake_();
@@ -174,7 +174,8 @@ void StreamSession::compute(const StreamFramePointer& frame, SegmentationBackend
     return absl::OkStatus();
   });
   if (!starts) return;
-  absl::StatusOr<FinishedFrame> computed = catch_exceptions([&] { return compute_outcome(*frame, backend); });
+  absl::StatusOr<FinishedFrame> computed =
+      catch_exceptions("process this frame", [&] { return compute_outcome(*frame, backend); });
   change([&] {
     mutex_.assert_held();
     scheduler_.complete(frame, std::move(computed), settings_.now());

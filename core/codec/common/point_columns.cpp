@@ -53,7 +53,7 @@ void extend(ChannelRange& range, const Column& column, std::size_t points, StopC
   });
 }
 
-/// What a channel's values are multiplied by so that full intensity becomes 255. Floats up to about 1 have 1 as full
+/// The factor that makes full intensity 255. Floats up to about 1 have 1 as full
 /// intensity. Far above 255 it is 65535, as in LAS files; some writers multiply 8 bits by 256 instead of 257. A little
 /// above 255, and beyond 16 bits, a value is taken as a slip among bytes, and clamped.
 double channel_scale(const ChannelRange& range, ScalarType type) {
@@ -89,7 +89,8 @@ void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, StopC
     }
     return;
   }
-  double scale = 255 * 0.28209479177387814, offset = 127.5;  // Y, and 1/2
+  constexpr double kY = 0.28209479177387814;  // sqrt(1 / (4 pi))
+  double scale = 255 * kY, offset = 255 * 0.5;
   if (kind == ChannelKind::kIntensity) {
     ChannelRange range;
     for (const Column& column : columns) extend(range, column, out.size(), check);

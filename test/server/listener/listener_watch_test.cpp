@@ -110,7 +110,7 @@ TEST(FileDescriptors, AreCountedAndTheirLimitIsRaised) {
   const FileDescriptors before = file_descriptors();
   const DeafListener listener;
   EXPECT_EQ(file_descriptors().open, before.open + 1);
-  EXPECT_GT(before.most, before.open);
+  EXPECT_GT(before.limit, before.open);
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ namespace segserve::client {
 
 struct ClientOptions {
   /// Where the servers listen: host:port (without a port: 50051), or any other name that gRPC resolves. Several are
-  /// separated by commas
-  /// ("a:50051,b:50051"). A name that stands for many servers ("dns:///segserve:50051") is used in turn.
+  /// separated by commas ("a:50051,b:50051"). A name that stands for many servers ("dns:///segserve:50051") is used in
+  /// turn.
   std::string address = "127.0.0.1:50051";
   /// The deadline of a call that sets none of its own, all its repetitions included; above 0. The server stops
   /// computing when it passes.

@@ -7,7 +7,7 @@
 
 namespace segserve::codec {
 
-/// What a file has that could not be used, although it was read.
+/// Why a part of a file was not used, although the file was read.
 enum class WarningReason : std::uint8_t {
   kColorNotUsed,  ///< fields that look like color are of no known kind
   kLabelNotUsed,  ///< labels are not whole numbers of 32 bits
