@@ -29,8 +29,9 @@ absl::StatusOr<wire::Result> segment_payload(const Payload& payload, const Optio
   const auto start = std::chrono::steady_clock::now();
   ASSIGN_OR_RETURN(const codec::LabeledCloud scene, decode(payload, stop));
   const double decode_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  ASSIGN_OR_RETURN(wire::Result result, segment_cloud(scene.cloud, scene.view_rule, options, outputs, stop));
-  result.warnings = scene.warnings;
+  ASSIGN_OR_RETURN(wire::Result result, segment_cloud(scene.cloud, scene.view_rule,
+                                                      codec::to_cloud(scene.placement, options), outputs, stop));
+  wire::take_payload_facts(scene.placement, scene.warnings, result);
   result.timings.decode = decode_ms;
   result.timings.total += decode_ms;
   return result;

@@ -62,8 +62,8 @@ absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const 
   return Payload(std::make_shared<const PayloadData>(std::move(data)));
 }
 
-Payload pcd_payload(std::string file_bytes, std::optional<View> view) {
-  return make_payload(wire::to_pcd_message(std::move(file_bytes), view));
+Payload pcd_payload(std::string file_bytes, std::optional<View> view, codec::LengthUnit unit) {
+  return make_payload(wire::to_pcd_message(std::move(file_bytes), view, unit));
 }
 
 Payload rgbd_payload(codec::RgbdFiles images) {
@@ -75,8 +75,13 @@ Payload rgbd_payload(codec::RgbdFiles images) {
 absl::StatusOr<codec::LabeledCloud> decode(const Payload& payload, const StopToken& stop) {
   const v1::Cloud message = message_of(payload);
   ASSIGN_OR_RETURN(wire::DecodedCloud decoded, wire::decode_cloud(message, {.draco = true}, stop));
-  return codec::LabeledCloud{
-      std::move(decoded.cloud).to_cloud(), {}, std::move(decoded.view_rule), std::move(decoded.warnings)};
+  return codec::LabeledCloud{.cloud = std::move(decoded.cloud).to_cloud(),
+                             .label = {},
+                             .view_rule = std::move(decoded.view_rule),
+                             .warnings = std::move(decoded.warnings),
+                             .placement = decoded.placement,
+                             .file_position = {},
+                             .attributes = {}};
 }
 
 }  // namespace segserve::client

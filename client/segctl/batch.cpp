@@ -59,6 +59,7 @@ std::string batch_key(const SegmentRequest& request, const SceneOutput& format) 
     key += fmt::format(" {} {} {}", wire::info(request.codec->codec).name, request.codec->error_bound,
                        request.codec->jpeg_quality);
   }
+  if (request.unit != codec::LengthUnit::kMeter) key += fmt::format(" {}", name(request.unit));
   if (request.segments) key += " segments";
   return key + format.format_key();
 }
@@ -101,7 +102,7 @@ void Batch::skip_what_is_done() {
 
 absl::StatusOr<Scene> Batch::load(std::size_t file) const {
   ASSIGN_OR_RETURN(const std::string bytes, read_input(job_.inputs[file].path));
-  ASSIGN_OR_RETURN(auto content, codec::decode_cloud(std::as_bytes(std::span(bytes)), {}, job_.request.view));
+  ASSIGN_OR_RETURN(auto content, codec::decode_cloud(std::as_bytes(std::span(bytes)), {}, job_.request.read_options()));
   return Scene{file, std::move(content), bytes.size()};
 }
 
@@ -113,12 +114,11 @@ absl::Status Batch::write(Scene& scene, const client::Result& result) const {
                           .timings = stage_timings(result),
                           .with_segments = job_.request.segments});
   summary["batch"] = {{"input", input.path}, {"input_bytes", scene.bytes}, {"key", key_}};
-  scene.content.cloud.view = result.view;
   StagedOutput output;
   for (const std::string& path : {input.summary_path, input.cloud_path}) RETURN_IF_ERROR(output.announce(path));
   // Files are renamed in the opposite order, the summary last.
   output.add(input.summary_path, json_text(summary));
-  output.add(input.cloud_path, job_.format->encode_pcd(scene.content.cloud, result.segmentation.labels));
+  output.add(input.cloud_path, job_.format->encode_pcd(scene.content, result.segmentation.labels));
   return output.commit();
 }
 
@@ -137,13 +137,15 @@ void Batch::complete(Scene scene, const absl::StatusOr<client::Result>& result) 
 absl::StatusOr<client::Result> Batch::segment_here(const codec::LabeledCloud& content) const {
   const wire::Outputs outputs{.segments = job_.request.segments};
   if (!job_.request.codec) {
-    ASSIGN_OR_RETURN(auto result, client::segment_here(content.cloud, content.view_rule, job_.request.options, outputs,
-                                                       StopToken()));
+    const Options options = codec::to_cloud(content.placement, job_.request.options);
+    ASSIGN_OR_RETURN(auto result,
+                     client::segment_here(content.cloud, content.view_rule, options, outputs, StopToken()));
     take_file_facts(content, result);
     return result;
   }
   ASSIGN_OR_RETURN(const auto payload, client::cloud_payload(content.cloud, *job_.request.codec));
-  ASSIGN_OR_RETURN(auto result, client::segment_here(payload, job_.request.options, outputs, StopToken()));
+  const Options options = codec::to_cloud(content.placement, job_.request.options);
+  ASSIGN_OR_RETURN(auto result, client::segment_here(payload, options, outputs, StopToken()));
   take_file_facts(content, result);
   return result;
 }
@@ -170,8 +172,11 @@ absl::Status Batch::send(std::size_t file, std::uint64_t sequence, client::Strea
   ASSIGN_OR_RETURN(Scene scene, load(file));
   ASSIGN_OR_RETURN(auto payload,
                    client::cloud_payload(scene.content.cloud, job_.request.codec.value_or(wire::CodecOptions{})));
+  const codec::Placement placement = scene.content.placement;
   sent_.put(sequence, std::move(scene));  // The outcome can come before send returns.
-  const auto sent = stream.send(std::move(payload), {.request_id = fmt::format("{}", file)});
+  client::FrameOptions frame{.request_id = fmt::format("{}", file)};
+  if (!placement.is_identity()) frame.options = codec::to_cloud(placement, job_.request.options);
+  const auto sent = stream.send(std::move(payload), frame);
   if (!sent.ok()) sent_.take(sequence);
   return sent.status();
 }

@@ -94,15 +94,27 @@ absl::Status recut(client::Result& result, const Options& options) {
   return absl::OkStatus();
 }
 
+/// Reads the cloud as it was read when it was segmented.
+codec::ReadOptions read_options(const client::Result& result) {
+  codec::ReadOptions options{.view = result.view, .keep_everything = true};
+  for (const codec::LengthUnit unit : codec::length_units()) {
+    if (codec::meters_per_unit(unit) == result.placement.meters_per_unit()) options.unit = unit;
+  }
+  return options;
+}
+
 /// Adds what needs the points: the labeled cloud, its pictures, the statistics of the segments.
 absl::Status add_scene(const CutArguments& arguments, client::Result& result, StagedOutput& output) {
-  ASSIGN_OR_RETURN(const auto scene, codec::load_cloud(arguments.cloud_path, result.view));
+  ASSIGN_OR_RETURN(const auto scene, codec::load_cloud(arguments.cloud_path, read_options(result)));
   if (scene.cloud.size() != result.points) {
     return absl::InvalidArgumentError(fmt::format("{} has {} points, but the saved result has {}", arguments.cloud_path,
                                                   scene.cloud.size(), result.points));
   }
-  arguments.scene_output.add(output, scene.cloud, result.segmentation.labels);
-  return arguments.segments ? describe(scene.cloud, 1, StopToken(), result.segmentation) : absl::OkStatus();
+  arguments.scene_output.add(output, scene, result.segmentation.labels);
+  if (!arguments.segments) return absl::OkStatus();
+  RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), result.segmentation));
+  for (SegmentStatistics& segment : result.segmentation.statistics) codec::to_file(scene.placement, segment);
+  return absl::OkStatus();
 }
 
 absl::Status run(const CutArguments& arguments) {

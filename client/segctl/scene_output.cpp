@@ -35,25 +35,38 @@ std::vector<std::uint32_t> segment_colors(std::span<const std::uint32_t> labels)
   return colors;
 }
 
-struct LabeledPoints {
-  Cloud cloud;
-  std::vector<std::uint32_t> labels;
-};
-
-/// The points with a label other than 0, in their order, as an unorganized cloud.
-LabeledPoints labeled_points(const CloudView& cloud, std::span<const std::uint32_t> labels) {
-  LabeledPoints kept;
+/// The entries of `values`, `bytes` each, of the points that have a label other than 0.
+template <typename T>
+std::vector<T> labeled_only(std::span<const T> values, std::size_t per_point, std::span<const std::uint32_t> labels) {
+  std::vector<T> kept;
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (labels[i] == 0) continue;
-    kept.cloud.x.push_back(cloud.x[i]);
-    kept.cloud.y.push_back(cloud.y[i]);
-    kept.cloud.z.push_back(cloud.z[i]);
-    if (cloud.has_color()) kept.cloud.rgb.push_back(cloud.rgb[i]);
-    kept.labels.push_back(labels[i]);
+    const auto entry = values.subspan(i * per_point, per_point);
+    if (labels[i] != 0) kept.insert(kept.end(), entry.begin(), entry.end());
   }
-  kept.cloud.width = static_cast<std::uint32_t>(kept.labels.size());
+  return kept;
+}
+
+/// The points with a label other than 0, in their order, as an unorganized cloud, with their labels.
+codec::LabeledCloud labeled_points(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) {
+  codec::LabeledCloud kept;
+  const auto filter = [labels]<typename T>(const std::vector<T>& values, std::size_t per_point = 1) {
+    return values.empty() ? std::vector<T>() : labeled_only(std::span<const T>(values), per_point, labels);
+  };
+  kept.label = labeled_only(labels, 1, labels);
+  kept.cloud.x = filter(scene.cloud.x);
+  kept.cloud.y = filter(scene.cloud.y);
+  kept.cloud.z = filter(scene.cloud.z);
+  kept.cloud.rgb = filter(scene.cloud.rgb);
+  kept.cloud.width = static_cast<std::uint32_t>(kept.label.size());
   kept.cloud.height = 1;
-  kept.cloud.view = cloud.view;
+  kept.cloud.view = scene.cloud.view;
+  kept.placement = scene.placement;
+  std::ranges::transform(scene.file_position, kept.file_position.begin(),
+                         [&](const std::vector<double>& axis) { return filter(axis); });
+  for (const codec::Attribute& attribute : scene.attributes) {
+    kept.attributes.push_back(
+        {attribute.name, attribute.type, attribute.count, filter(attribute.values, attribute.bytes_per_point())});
+  }
   return kept;
 }
 
@@ -106,33 +119,33 @@ absl::Status SceneOutput::announce(StagedOutput& output) const {
   return absl::OkStatus();
 }
 
-std::string SceneOutput::encode(CloudView cloud, std::span<const std::uint32_t> labels, Format format) const {
-  LabeledPoints kept;
-  if (drop_unlabelled_) {
-    kept = labeled_points(cloud, labels);
-    cloud = kept.cloud;
-    labels = kept.labels;
-  }
+std::string SceneOutput::encode(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
+                                Format format) const {
+  codec::LabeledCloud kept;
+  if (drop_unlabelled_) kept = labeled_points(scene, labels);
+  codec::FileContent content =
+      drop_unlabelled_ ? codec::content_of(kept, kept.label) : codec::content_of(scene, labels);
   std::vector<std::uint32_t> colors;
   if (color_ == "segment") {
-    colors = segment_colors(labels);
-    cloud.rgb = colors;
+    colors = segment_colors(content.label);
+    content.cloud.rgb = colors;
   }
-  if (format == Format::kPcd) return codec::encode_pcd(cloud, labels, pcd_encoding(encoding_));
+  if (format == Format::kPcd) return codec::encode_pcd(content, pcd_encoding(encoding_));
   const bool ascii = encoding_ == "ascii";
-  return codec::encode_ply(cloud, labels, ascii ? codec::PlyEncoding::kAscii : codec::PlyEncoding::kBinaryLittleEndian);
+  return codec::encode_ply(content, ascii ? codec::PlyEncoding::kAscii : codec::PlyEncoding::kBinaryLittleEndian);
 }
 
-std::string SceneOutput::encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> labels) const {
-  return encode(cloud, labels, Format::kPcd);
+std::string SceneOutput::encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const {
+  return encode(scene, labels, Format::kPcd);
 }
 
-void SceneOutput::add(StagedOutput& output, const CloudView& cloud, std::span<const std::uint32_t> labels) const {
+void SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
+                      std::span<const std::uint32_t> labels) const {
   if (!cloud_path_.empty()) {
-    output.add(cloud_path_, encode(cloud, labels, has_ply_name(cloud_path_) ? Format::kPly : Format::kPcd));
+    output.add(cloud_path_, encode(scene, labels, has_ply_name(cloud_path_) ? Format::kPly : Format::kPcd));
   }
-  if (!picture_path_.empty()) add_picture(output, picture_path_, cloud, labels);
-  if (!plain_picture_path_.empty()) add_picture(output, plain_picture_path_, cloud, {});
+  if (!picture_path_.empty()) add_picture(output, picture_path_, scene.cloud, labels);
+  if (!plain_picture_path_.empty()) add_picture(output, plain_picture_path_, scene.cloud, {});
 }
 
 std::string SceneOutput::format_key() const {

@@ -8,7 +8,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "client/segctl/staged_output.hpp"
-#include "segserve/cloud.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 
 namespace segserve::segctl {
 
@@ -26,17 +26,18 @@ class SceneOutput {
 
   /// The labeled cloud as a PCD file, with the encoding, colors and points that the flags ask for. `labels` has one
   /// entry per point.
-  std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> labels) const;
+  std::string encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
-  /// Adds the files that the flags ask for. `labels` has one entry per point.
-  void add(StagedOutput& output, const CloudView& cloud, std::span<const std::uint32_t> labels) const;
+  /// Adds the files that the flags ask for. `labels` has one entry per point. The scene has everything that its file
+  /// had.
+  void add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// Names the flags that decide how encode_pcd writes a cloud; empty for the defaults.
   std::string format_key() const;
 
  private:
   enum class Format { kPcd, kPly };
-  std::string encode(CloudView cloud, std::span<const std::uint32_t> labels, Format format) const;
+  std::string encode(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels, Format format) const;
 
   std::string cloud_path_;
   std::string encoding_ = "binary";

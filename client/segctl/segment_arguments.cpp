@@ -18,9 +18,10 @@ void SegmentArguments::add_to(CLI::App& app) {
   options.add_to(app);
   app.add_option("--view", view,
                  "where the sensor is: camera, world, or world:X,Y,Z with its position in meters; "
-                 "default: what the file says")
+                 "default: what the file says, or its points make plain")
       ->type_name("VIEW")
       ->group("Segmentation");
+  unit.add_to(app, "Segmentation");
   rgbd.add_to(app);
   server.add_to(app, kDefaultTimeout);
   app.add_flag("--local", local, "segment in this process, without a server")->group("Server");
@@ -69,6 +70,9 @@ absl::Status SegmentArguments::check_combination() const {
   if (rgbd.given() && !view.empty()) {
     return absl::InvalidArgumentError("--view does not go with RGB-D images: they are seen from the camera");
   }
+  if (rgbd.given() && unit.given()) {
+    return absl::InvalidArgumentError("--unit does not go with RGB-D images: --depth-scale tells their unit");
+  }
   if (segments && !json.given() && result_path.empty() && !many) {
     return absl::InvalidArgumentError("--segments needs --json, --result or --out-dir, which tell of them");
   }
@@ -92,6 +96,8 @@ absl::StatusOr<SegmentRequest> SegmentArguments::request() const {
   }
   ASSIGN_OR_RETURN(request.codec, codec.options());
   request.segments = segments;
+  request.unit = unit.unit();
+  request.keep_everything = scene_output.wanted() || !out_dir.empty();
   return request;
 }
 

@@ -15,8 +15,10 @@
 #include "client/segctl/rgbd_flags.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/server_flags.hpp"
+#include "client/segctl/unit_flag.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "segserve/cloud.hpp"
+#include "segserve/codec/read_options.hpp"
 #include "segserve/options.hpp"
 
 namespace segserve::segctl {
@@ -24,9 +26,13 @@ namespace segserve::segctl {
 /// The part of the command line that applies to every cloud.
 struct SegmentRequest {
   Options options;
-  std::optional<View> view;                 ///< Unset: as the file says.
+  std::optional<View> view;  ///< Unset: as the file says.
+  codec::LengthUnit unit = codec::LengthUnit::kMeter;
   std::optional<wire::CodecOptions> codec;  ///< Unset: the client library chooses.
   bool segments = false;                    ///< Whether the statistics of the segments are wanted.
+  bool keep_everything = false;             ///< Whether the cloud will be written again.
+
+  codec::ReadOptions read_options() const { return {.view = view, .unit = unit, .keep_everything = keep_everything}; }
 };
 
 /// The command line of `segctl segment`.
@@ -36,6 +42,7 @@ struct SegmentArguments {
   std::size_t parallel = 0;  ///< 0: 4, or one per CPU with `local`.
   OptionFlags options;
   std::string view;
+  UnitFlag unit;
   ServerFlags server;
   RgbdFlags rgbd;
   CodecFlags codec;

@@ -37,8 +37,12 @@ constexpr const char* kDetails =
     R"(Labels are numbered 1, 2, 3 and so on by descending size of the segment. Points that are not finite, that the crop
 box or the range leaves out, or that are removed with the support plane get label 0.
 
-Without --view, an organized PCD file with the identity VIEWPOINT is seen by the camera, any other PCD file is WORLD
-with the sensor at VIEWPOINT, and a PLY file is WORLD without a sensor. Images are seen by the camera.
+Without --view, the file and its points tell where the sensor is: points on the rays of a camera's pixels are seen by the
+camera, points on the rings of a LiDAR from the origin, others from VIEWPOINT if a PCD file has one that is not (0, 0, 0).
+The summary says what was taken, and why. Images are seen by the camera.
+
+Coordinates far from the origin, such as UTM, are moved near it before they become floats. Outputs, centroids and boxes
+are in the file's coordinates and unit again; all lengths on the command line are in meters.
 
 Lossy codecs move points by at most their error bound. The labels still come back in the order of the input. With
 --local and a codec, the points are segmented as a server would see them.
@@ -67,15 +71,16 @@ absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& o
 /// One cloud on its way to be segmented.
 struct Job {
   std::string input;                         ///< The name of the input in messages.
-  std::string file_bytes;                    ///< Empty if there is a payload.
+  std::string file_bytes;                    ///< Of a cloud; empty for images.
   std::optional<client::Payload> payload;    ///< A PCD file or images that are sent without decoding them here.
   std::optional<codec::LabeledCloud> scene;  ///< Unset if only the server needs the points.
   SegmentRequest request;
 };
 
 absl::StatusOr<codec::LabeledCloud> decode(const Job& job) {
-  auto scene = job.payload ? client::decode(*job.payload)
-                           : codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.request.view);
+  auto scene = job.file_bytes.empty()
+                   ? client::decode(*job.payload)
+                   : codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.request.read_options());
   if (!scene.ok()) return with_prefix(job.input, scene.status());
   return scene;
 }
@@ -90,10 +95,9 @@ absl::Status read_files(const SegmentArguments& arguments, Job& job) {
   job.input = input_name(arguments.scenes.front());
   ASSIGN_OR_RETURN(std::string bytes, read_input(arguments.scenes.front()));
   const bool sends_pcd = job.request.codec && job.request.codec->codec == wire::Codec::kPcd;
-  if (sends_pcd && !codec::is_ply(bytes)) {
-    job.payload = client::pcd_payload(std::move(bytes), job.request.view);
-  } else {
-    job.file_bytes = std::move(bytes);
+  job.file_bytes = std::move(bytes);
+  if (sends_pcd && !codec::is_ply(job.file_bytes)) {
+    job.payload = client::pcd_payload(job.file_bytes, job.request.view, job.request.unit);
   }
   return absl::OkStatus();
 }
@@ -117,7 +121,8 @@ absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& argument
   call.outputs.segments = job.request.segments;
   call.outputs.compression = answer_compression(job.request.codec);
   if (job.payload) return client.segment_payload(*job.payload, job.request.options, call);
-  ASSIGN_OR_RETURN(auto result, client.segment(job.scene->cloud, job.request.options, call));
+  const Options options = codec::to_cloud(job.scene->placement, job.request.options);
+  ASSIGN_OR_RETURN(auto result, client.segment(job.scene->cloud, options, call));
   take_file_facts(*job.scene, result);
   return result;
 }
@@ -127,7 +132,8 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
   if (arguments.server.timeout_given()) deadline = StopToken::Clock::now() + *arguments.server.timeout();
   const StopToken stop(nullptr, deadline);
   const auto segment = [&](const Cloud& cloud) -> absl::StatusOr<client::Result> {
-    ASSIGN_OR_RETURN(auto result, client::segment_here(cloud, job.scene->view_rule, job.request.options,
+    const Options options = codec::to_cloud(job.scene->placement, job.request.options);
+    ASSIGN_OR_RETURN(auto result, client::segment_here(cloud, job.scene->view_rule, options,
                                                        {.segments = job.request.segments}, stop));
     take_file_facts(*job.scene, result);
     return result;
@@ -142,8 +148,7 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
 absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const client::Result& result, double call_ms,
                            StagedOutput& output) {
   if (arguments.scene_output.wanted()) {
-    job.scene->cloud.view = result.view;
-    arguments.scene_output.add(output, job.scene->cloud, result.segmentation.labels);
+    arguments.scene_output.add(output, *job.scene, result.segmentation.labels);
   }
   if (!arguments.result_path.empty()) {
     ASSIGN_OR_RETURN(auto bytes, client::encode_result_file(result));

@@ -8,6 +8,7 @@
 #include "client/segctl/view_flag.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
+#include "proto/wire/result_message.hpp"
 
 namespace segserve::segctl {
 namespace {
@@ -59,6 +60,17 @@ std::string support_plane_text(const SupportPlane& plane) {
                      plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
 }
 
+std::string placement_text(const codec::Placement& placement) {
+  std::string text;
+  if (placement.meters_per_unit() != 1)
+    text += fmt::format("a unit of the file is {:g} m\n", placement.meters_per_unit());
+  if (placement.offset != Eigen::Vector3d::Zero()) {
+    text += fmt::format("moved by ({}, {}, {}) while it was segmented; results are in the file's coordinates\n",
+                        -placement.offset.x(), -placement.offset.y(), -placement.offset.z());
+  }
+  return text;
+}
+
 std::string cut_text(const client::Result& result) {
   if (result.regions) return fmt::format("cut at {} regions", *result.regions);
   return fmt::format("threshold {}", result.segmentation.threshold.value_or(0));
@@ -87,7 +99,7 @@ std::string timings_text(const Summary& summary) {
 
 void take_file_facts(const codec::LabeledCloud& file, client::Result& result) {
   result.view_rule = file.view_rule;
-  result.warnings = file.warnings;
+  wire::take_payload_facts(file.placement, file.warnings, result);
 }
 
 Json warnings_json(const std::vector<codec::Warning>& warnings) {
@@ -130,6 +142,8 @@ Json to_json(const Summary& summary) {
   json["lambda"] = result.segmentation.lambda;
   json["view"] = view_text(result.view);
   json["view_rule"] = result.view_rule;
+  json["placement"] = {{"scale", vector_json(result.placement.scale)},
+                       {"offset", vector_json(result.placement.offset)}};
   json["warnings"] = warnings_json(result.warnings);
   json["options_hash"] = result.options_hash;
   json["server"] = text_or_null(summary.server);
@@ -146,6 +160,7 @@ std::string to_text(const Summary& summary) {
   std::string text =
       fmt::format("{}: {} points, {} finite{}; {}\n", summary.input, result.points, segmentation.finite_points,
                   some_left_out ? fmt::format(", {} segmented", segmentation.segmented_points) : "", result.view_rule);
+  text += placement_text(result.placement);
   if (segmentation.support_plane) text += support_plane_text(*segmentation.support_plane);
   text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
                       result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",

@@ -155,7 +155,9 @@ absl::Status run(const SynthArguments& arguments) {
   RETURN_IF_ERROR(arguments.rgbd_output.announce(output));
   RETURN_IF_ERROR(arguments.json.announce(output));
   ASSIGN_OR_RETURN(const auto scene, make_scene(arguments));
-  arguments.scene_output.add(output, scene.cloud, scene.label);
+  codec::LabeledCloud content;
+  content.cloud = scene.cloud;
+  arguments.scene_output.add(output, content, scene.label);
   if (arguments.rgbd_output.wanted()) {
     RETURN_IF_ERROR(arguments.rgbd_output.add(output, scene.cloud, *scene.camera));
   }

@@ -64,8 +64,8 @@ double count_voxels(const FrameContext& frame, int power, StopCheck& check) {
     const std::size_t count = std::min(kChunk, frame.cloud.size() - first);
     if (check.after(count)) break;
     const CellInput in = cell_input(frame.cloud, selection, mapping, first);
-    const std::size_t valid = voxel_kernels().find_cells(in, count, {keys.data(), x.data(), y.data(), z.data()});
-    for (std::size_t i = 0; i < valid; ++i) {
+    voxel_kernels().find_cells(in, count, {keys.data(), x.data(), y.data(), z.data()});
+    for (std::size_t i = 0; i < count; ++i) {
       if (keys[i] != kNoKey) counter.add(coarser(keys[i], power));
     }
   }

@@ -8,13 +8,13 @@ namespace segserve {
 
 void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, VoxelAdmission* admission) {
   part_.table.clear();
-  part_.first_invalid = SIZE_MAX;
+  part_.without_cell = {};
   part_.finite_points = 0;
   std::size_t reported = 0;
   for (std::size_t first = begin; first < end; first += kChunk) {
     const std::size_t count = std::min(kChunk, end - first);
     if (check.after(count)) return;
-    if (!find_cells(first, count)) return;
+    find_cells(first, count);
     if (!selection_.all()) count_finite(first, count);
     find_slots(find_runs(first, count));
     const std::size_t voxels = part_.table.voxels().size();
@@ -27,17 +27,23 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, V
   }
 }
 
-/// Returns false if a point of the chunk has no cell.
-bool RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
+void RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
   const CellInput in = cell_input(cloud_, selection_, mapping_, first);
-  const std::size_t valid = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
-  if (valid < count) part_.first_invalid = first + valid;
-  return valid == count;
+  const PointsWithoutCell chunk = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
+  PointsWithoutCell& sum = part_.without_cell;
+  if (chunk.others > 0 && sum.others == 0) sum.first_other = first + chunk.first_other;
+  sum.zeros += chunk.zeros;
+  sum.others += chunk.others;
+  // Points with a cell are counted by find_slots.
+  if (selection_.all()) part_.finite_points += chunk.others;
 }
 
 void RangeVoxelizer::count_finite(std::size_t first, std::size_t count) {
+  const bool camera = cloud_.view.kind == ViewKind::kCamera;
   for (std::size_t i = first; i < first + count; ++i) {
-    part_.finite_points += static_cast<std::size_t>(is_finite(cloud_.x[i], cloud_.y[i], cloud_.z[i]));
+    const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
+    const bool is_zero = camera && x == 0 && y == 0 && z == 0;
+    part_.finite_points += static_cast<std::size_t>(is_finite(x, y, z) && !is_zero);
   }
 }
 

@@ -19,8 +19,8 @@ namespace segserve {
 /// The voxels of a part of the cloud, as one thread gathers them.
 struct PartialVoxels {
   VoxelTable table;
-  std::size_t first_invalid = SIZE_MAX;  ///< the first selected point that has no cell, or SIZE_MAX
-  std::size_t finite_points = 0;
+  PointsWithoutCell without_cell;  ///< indices are those of the cloud
+  std::size_t finite_points = 0;   ///< does not count zeros in a CAMERA view
 };
 
 /// Voxelizes a contiguous range of points, in chunks that stay in the first cache. Writes the slots of the points in
@@ -43,7 +43,7 @@ class RangeVoxelizer {
   template <typename T>
   using PerPoint = std::array<T, kChunk + kRoom>;
 
-  bool find_cells(std::size_t first, std::size_t count);
+  void find_cells(std::size_t first, std::size_t count);
   void count_finite(std::size_t first, std::size_t count);
   std::size_t find_runs(std::size_t first, std::size_t count);
   void find_slots(std::size_t runs);

@@ -28,7 +28,9 @@ struct VoxelGrid {
   std::vector<std::uint32_t> slot_of_point;
   /// V + 1: the voxel of every slot; kNoVoxel for voxels that were removed. Entry 0 is not used.
   std::vector<std::uint32_t> voxel_of_slot;
-  std::size_t finite_points = 0;  ///< of the cloud, selected or not
+  std::size_t finite_points = 0;       ///< of the cloud, selected or not; zeros in a CAMERA view do not count
+  std::size_t zero_points = 0;         ///< selected points at (0, 0, 0) in a CAMERA view, which are no measurement
+  std::size_t points_beyond_grid = 0;  ///< selected finite points that are too far away to have a voxel
 
   std::size_t size() const { return key.size(); }
 };

@@ -15,6 +15,25 @@
 namespace segserve {
 namespace {
 
+/// Adds up the points without a cell of all parts, which are in the order of the cloud.
+PointsWithoutCell sum_of(const std::vector<PartialVoxels>& parts) {
+  PointsWithoutCell sum;
+  for (const PartialVoxels& part : parts) {
+    sum.zeros += part.without_cell.zeros;
+    sum.others += part.without_cell.others;
+    sum.first_other = std::min(sum.first_other, part.without_cell.first_other);
+  }
+  return sum;
+}
+
+/// Whether so few points have no cell that they are taken for faults of the sensor: a few single ones, or one in a
+/// hundred. More of them mean that the cloud as a whole lies elsewhere.
+bool are_single(const PointsWithoutCell& without, std::size_t finite_points) {
+  constexpr std::size_t kFew = 3, kShare = 100;
+  const std::size_t good = finite_points - without.others;
+  return without.others <= std::max(good / kShare, std::min(kFew, good / 2));
+}
+
 absl::Status invalid_point(const CloudView& cloud, const CellMapping& mapping, double resolution, std::size_t i) {
   const float x = cloud.x[i], y = cloud.y[i], z = cloud.z[i];
   if (cloud.view.kind == ViewKind::kCamera && z <= 0) {
@@ -70,12 +89,13 @@ absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid, Voxel
                                        .run(begin, end, check, admission);
                                  }));
   if (admission != nullptr) RETURN_IF_ERROR(admission->status());
-  for (const PartialVoxels& part : parts_) {
-    if (part.first_invalid != SIZE_MAX) {
-      return invalid_point(frame.cloud, mapping, frame.settings.voxel_resolution, part.first_invalid);
-    }
-  }
+  const PointsWithoutCell without = sum_of(parts_);
   RETURN_IF_ERROR(merge_parts(frame, grid));
+  if (!are_single(without, grid.finite_points)) {
+    return invalid_point(frame.cloud, mapping, frame.settings.voxel_resolution, without.first_other);
+  }
+  grid.zero_points = without.zeros;
+  grid.points_beyond_grid = without.others;
   return sort_voxels(frame, mapping.unit(), grid);
 }
 

@@ -1,15 +1,37 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/cloud_message.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/payload/payload_codecs.hpp"
+#include "proto/wire/payload/payload_support.hpp"
 #include "proto/wire/status_message.hpp"
+#include "segserve/codec/unit_conversion.hpp"
 
 namespace segserve::wire {
+namespace {
+
+struct UnitNumber {
+  codec::LengthUnit unit;
+  v1::LengthUnit number;
+};
+
+constexpr std::array<UnitNumber, 6> kUnits{{
+    {codec::LengthUnit::kMeter, v1::LENGTH_UNIT_METER},
+    {codec::LengthUnit::kCentimeter, v1::LENGTH_UNIT_CENTIMETER},
+    {codec::LengthUnit::kMillimeter, v1::LENGTH_UNIT_MILLIMETER},
+    {codec::LengthUnit::kInch, v1::LENGTH_UNIT_INCH},
+    {codec::LengthUnit::kFoot, v1::LENGTH_UNIT_FOOT},
+    {codec::LengthUnit::kAuto, v1::LENGTH_UNIT_AUTO},
+}};
+
+}  // namespace
 
 v1::View to_message(const View& view) {
   v1::View message;
@@ -20,6 +42,14 @@ v1::View to_message(const View& view) {
     message.mutable_sensor()->set_z(view.sensor->z());
   }
   return message;
+}
+
+v1::LengthUnit to_message(codec::LengthUnit unit) { return std::ranges::find(kUnits, unit, &UnitNumber::unit)->number; }
+
+std::optional<codec::LengthUnit> from_message(v1::LengthUnit message) {
+  if (message == v1::LENGTH_UNIT_UNSPECIFIED) return codec::LengthUnit::kMeter;
+  const auto* const found = std::ranges::find(kUnits, message, &UnitNumber::number);
+  return found == kUnits.end() ? std::nullopt : std::optional(found->unit);
 }
 
 std::optional<View> from_message(const v1::View& message, std::vector<FieldViolation>& faults) {
@@ -104,8 +134,23 @@ std::optional<View> read_fields(const v1::Cloud& message, std::vector<FieldViola
   if (needs->shape && message.height() == 0) {
     faults.push_back({"cloud.height", fmt::format("is 0, but {} needs at least one row", needs->name)});
   }
+  if (message.has_rgbd() && message.unit() != v1::LENGTH_UNIT_UNSPECIFIED) {
+    faults.push_back({"cloud.unit", "is given, but RGB-D images have a depth_scale instead"});
+  } else if (!from_message(message.unit())) {
+    faults.push_back({"cloud.unit", fmt::format("{} is not a unit", static_cast<int>(message.unit()))});
+  }
   check_error_bound(message, faults);
   return view;
+}
+
+/// The cloud in meters.
+absl::StatusOr<DecodedCloud> convert(absl::StatusOr<DecodedCloud> decoded, codec::LengthUnit unit,
+                                     const StopToken& stop) {
+  if (!decoded.ok() || unit == codec::LengthUnit::kMeter) return decoded;
+  const CloudView& cloud = decoded->cloud;
+  ASSIGN_OR_RETURN(auto converted, codec::to_meters(cloud, {.view = cloud.view, .unit = unit}, stop));
+  converted.view_rule = std::move(decoded->view_rule);
+  return decoded_cloud(std::move(converted));
 }
 
 }  // namespace
@@ -122,19 +167,20 @@ absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec:
   const std::optional<View> view = read_fields(message, faults);
   RETURN_IF_ERROR(invalid_fields(faults));
   RETURN_IF_ERROR(check_kind(message, limits));
+  const codec::LengthUnit unit = *from_message(message.unit());
   switch (message.payload_case()) {
     case v1::Cloud::kPlanar:
-      return decode_planar(message, view, limits, stop);
+      return convert(decode_planar(message, view, limits, stop), unit, stop);
     case v1::Cloud::kPcdFile:
-      return decode_pcd_file(message, view, limits, stop);
+      return decode_pcd_file(message, {.view = view, .unit = unit}, limits, stop);
     case v1::Cloud::kStrided:
-      return decode_strided(message, view, limits, stop);
+      return decode_strided(message, {.view = view, .unit = unit}, limits, stop);
     case v1::Cloud::kQuantised:
-      return decode_quantised(message, view, limits, stop);
+      return convert(decode_quantised(message, view, limits, stop), unit, stop);
     case v1::Cloud::kRgbd:
       return decode_rgbd(message, view, limits, stop);
     case v1::Cloud::kDraco:
-      return decode_draco(message, view, limits, stop);
+      return convert(decode_draco(message, view, limits, stop), unit, stop);
     case v1::Cloud::PAYLOAD_NOT_SET:
       break;  // read_fields has refused it.
   }

@@ -10,6 +10,8 @@
 #include "proto/wire/byte_run.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/length_unit.hpp"
+#include "segserve/codec/placement.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "segserve/codec/warning.hpp"
 #include "segserve/options.hpp"
@@ -19,6 +21,10 @@ namespace segserve::wire {
 
 /// The message of a view.
 v1::View to_message(const View& view);
+
+/// The message of a unit, and the unit of a message; nullopt if it is unknown.
+v1::LengthUnit to_message(codec::LengthUnit unit);
+std::optional<codec::LengthUnit> from_message(v1::LengthUnit message);
 
 /// The view of a message; nullopt if its kind is unspecified or unknown. Appends what is wrong with the message to
 /// `faults`, with paths such as "cloud.view.sensor".
@@ -39,7 +45,8 @@ struct OutgoingCloud {
 OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud);
 
 /// The message that holds a PCD file. The view, if it is given, overrides that of the file.
-v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view);
+v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view,
+                         codec::LengthUnit unit = codec::LengthUnit::kMeter);
 
 /// The message that holds the images of an RGB-D camera. It has the shape of the depth image, or none if that is not a
 /// PNG file.
@@ -53,6 +60,7 @@ struct DecodedCloud {
   BorrowingCloud cloud;                       ///< its planes may lie in the message, which must outlive it
   std::string view_rule;                      ///< one line for people that says why the cloud has its view
   std::vector<codec::Warning> warnings = {};  ///< what the payload has that was not used
+  codec::Placement placement = {};            ///< from the payload's coordinates to those of the cloud
 };
 
 /// Decodes the payload of a message. The sizes that it claims are compared with the limits before anything is

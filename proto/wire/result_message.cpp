@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/result_message.hpp"
 
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -30,6 +31,60 @@ SupportPlane read_support_plane(const v1::SupportPlane& message) {
   return {.normal = {message.normal_x(), message.normal_y(), message.normal_z()},
           .offset = message.offset(),
           .points = message.points()};
+}
+
+v1::Vector3 vector_message(const Eigen::Vector3d& v) {
+  v1::Vector3 message;
+  message.set_x(v.x());
+  message.set_y(v.y());
+  message.set_z(v.z());
+  return message;
+}
+
+v1::Placement placement_message(const codec::Placement& placement) {
+  v1::Placement message;
+  *message.mutable_scale() = vector_message(placement.scale);
+  *message.mutable_offset() = vector_message(placement.offset);
+  return message;
+}
+
+/// The placement of a message, or nullopt if it is not one.
+std::optional<codec::Placement> read_placement(const v1::Placement& message) {
+  const codec::Placement placement{{message.scale().x(), message.scale().y(), message.scale().z()},
+                                   {message.offset().x(), message.offset().y(), message.offset().z()}};
+  const Eigen::Vector3d magnitude = placement.scale.cwiseAbs();
+  const bool good = placement.scale.allFinite() && placement.offset.allFinite() && magnitude.minCoeff() > 0 &&
+                    magnitude.minCoeff() == magnitude.maxCoeff();
+  return good ? std::optional(placement) : std::nullopt;
+}
+
+/// What should be known about points that were left out, and about a resolution that does not fit.
+std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, const Options& options) {
+  using codec::WarningReason;
+  std::vector<codec::Warning> warnings;
+  if (const std::size_t zeros = segmentation.zero_points; zeros > 0) {
+    warnings.push_back({WarningReason::kPointsNotUsed,
+                        fmt::format("{} point{} at (0, 0, 0), where the camera is, {} no measurement{}", zeros,
+                                    zeros == 1 ? "" : "s", zeros == 1 ? "is" : "are", zeros == 1 ? "" : "s")});
+  }
+  if (const std::size_t far = segmentation.points_beyond_grid; far > 0) {
+    warnings.push_back({WarningReason::kPointsNotUsed, fmt::format("{} point{} far beyond the others {} not used", far,
+                                                                   far == 1 ? "" : "s", far == 1 ? "is" : "are")});
+  }
+  if (!segmentation.fitting_resolution) return warnings;
+  const double used = supervoxel_options(options).voxel_resolution, fitting = *segmentation.fitting_resolution;
+  constexpr double kPlausible = 1;  // meters; larger voxels than this cannot be asked for
+  std::string text =
+      fmt::format("nearly every voxel holds a single point ({} points, {} voxels): ", segmentation.segmented_points,
+                  segmentation.voxels);
+  text += fitting <= kPlausible
+              ? fmt::format(
+                    "the unit of the coordinates or voxel_resolution ({:g} m) is probably wrong; at {:g} m a voxel "
+                    "would hold about four points",
+                    used, fitting)
+              : std::string("the unit of the coordinates is probably wrong, as if millimeters were taken for meters");
+  warnings.push_back({WarningReason::kTooSparse, std::move(text)});
+  return warnings;
 }
 
 void fill_timings(const CallTimings& call, const StageTimings& stages, v1::Timings& timings) {
@@ -64,6 +119,7 @@ void fill_summary(const Result& result, v1::ResultSummary& summary) {
     message.set_reason(std::string(name(warning.reason)));
     message.set_message(warning.message);
   }
+  if (!result.placement.is_identity()) *summary.mutable_placement() = placement_message(result.placement);
   summary.set_server_version(result.server_version);
   summary.set_options_hash(result.options_hash);
   fill_timings(result.timings, segmentation.timings, *summary.mutable_timings());
@@ -124,6 +180,11 @@ absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_
   for (const v1::Warning& warning : summary.warnings()) {
     result.warnings.push_back({codec::warning_reason(warning.reason()), warning.message()});
   }
+  if (summary.has_placement()) {
+    const auto placement = read_placement(summary.placement());
+    if (!placement) return malformed("the placement of the result is no scale and offset");
+    result.placement = *placement;
+  }
   result.server_version = summary.server_version();
   result.options_hash = summary.options_hash();
   return result;
@@ -142,8 +203,18 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
   result.view_rule = std::move(view_rule);
   result.server_version = std::move(version);
   result.options_hash = options_hash(options);
+  result.warnings = warnings_of(segmentation, options);
   result.segmentation = std::move(segmentation);
   return result;
+}
+
+void take_payload_facts(const codec::Placement& placement, const std::vector<codec::Warning>& warnings,
+                        Result& result) {
+  result.warnings.insert(result.warnings.begin(), warnings.begin(), warnings.end());
+  if (placement.is_identity()) return;
+  result.placement = placement;
+  result.view = codec::to_file(placement, result.view);
+  codec::to_file(placement, result.segmentation);
 }
 
 absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {

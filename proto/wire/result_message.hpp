@@ -15,9 +15,14 @@
 namespace segserve::wire {
 
 /// The result of the segmentation of `cloud` with `options`. `view_rule` says for people why the cloud has its view,
-/// and `version` is that of this program. The call timings are 0.
+/// and `version` is that of this program. It warns of points that were left out as no measurements, and of a resolution
+/// that does not fit. The call timings are 0.
 Result make_result(Segmentation segmentation, const CloudView& cloud, const Options& options, std::string view_rule,
                    std::string version);
+
+/// Adds what is known of the payload or file that the cloud was read from: the result, which must be that of the cloud
+/// itself, is expressed in the payload's coordinates, and the warnings come before its own.
+void take_payload_facts(const codec::Placement& placement, const std::vector<codec::Warning>& warnings, Result& result);
 
 /// The message with the arrays that `outputs` asks for. The timings `encode` and `total` stay unset, because the
 /// message must be finished before they are known; set_final_timings sets them. INTERNAL if Zstandard fails.

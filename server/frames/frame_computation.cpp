@@ -23,13 +23,15 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
-absl::StatusOr<Segmentation> segment_decoded(const CloudView& cloud, const FrameSettings& settings,
+absl::StatusOr<Segmentation> segment_decoded(const wire::DecodedCloud& decoded, const FrameSettings& settings,
                                              const StopToken& stop, SegmentationBackend& backend, FrameMemory& memory) {
+  const CloudView& cloud = decoded.cloud;
+  const Options options = codec::to_cloud(decoded.placement, settings.options);
   RETURN_IF_ERROR(memory.voxelize(cloud.size()));
-  RETURN_IF_ERROR(wire::invalid_fields(wire::violations_in_view(settings.options, cloud.view)));
+  RETURN_IF_ERROR(wire::invalid_fields(wire::violations_in_view(options, cloud.view)));
   RETURN_IF_ERROR(stop.check());
   absl::StatusOr<Segmentation> segmentation =
-      backend.segment(cloud, settings.options, stop, [&memory](const FrameSize& size) { return memory.segment(size); });
+      backend.segment(cloud, options, stop, [&memory](const FrameSize& size) { return memory.segment(size); });
   // The options were checked before, so an invalid argument can only be the cloud.
   if (absl::IsInvalidArgument(segmentation.status())) {
     return wire::with_reason(segmentation.status(), wire::ErrorReason::kInvalidCloud);
@@ -100,12 +102,12 @@ absl::StatusOr<v1::SegmentationResult> compute_until(const v1::Cloud& payload, c
   ASSIGN_OR_RETURN(wire::DecodedCloud decoded, decode_within(payload, settings, stop, memory));
   const Clock::time_point decode_end = Clock::now();
 
-  ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded.cloud, settings, stop, backend, memory));
+  ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded, settings, stop, backend, memory));
 
   const Clock::time_point encode_start = Clock::now();
   wire::Result result =
       wire::make_result(std::move(segmentation), decoded.cloud, settings.options, decoded.view_rule, kVersion);
-  result.warnings = std::move(decoded.warnings);
+  wire::take_payload_facts(decoded.placement, decoded.warnings, result);
   result.timings.queue = milliseconds(decode_start - settings.arrival);
   result.timings.decode = milliseconds(decode_end - decode_start);
   ASSIGN_OR_RETURN(v1::SegmentationResult message, wire::to_message(result, settings.outputs));

@@ -70,14 +70,14 @@ bool looks_like_color(std::string_view lower_name) {
 absl::Status find_color(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
   for (const std::string_view name : {"rgb", "rgba"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(name));
-    if (found && fields[*found].is_single && size_of(fields[*found].type) == 4) {
+    if (found && fields[*found].is_single() && size_of(fields[*found].type) == 4) {
       roles.packed = found;
       return absl::OkStatus();
     }
   }
   for (const ColorNames& wanted : kColorNames) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted.names));
-    if (found && std::ranges::all_of(*found, [&fields](std::size_t i) { return fields[i].is_single; })) {
+    if (found && std::ranges::all_of(*found, [&fields](std::size_t i) { return fields[i].is_single(); })) {
       roles.channels = found;
       roles.channel_kind = wanted.kind;
       return absl::OkStatus();
@@ -109,6 +109,15 @@ std::vector<std::size_t> FieldRoles::fields() const {
   return all;
 }
 
+bool has_meaning(std::string_view name) {
+  constexpr std::array<std::string_view, 7> kOthers{"x", "y", "z", "rgb", "rgba", "label", "scalar_label"};
+  const std::string lower = lower_case(name);
+  const auto is_channel = [&lower](const ColorNames& color) {
+    return std::ranges::find(color.names, lower) != color.names.end();
+  };
+  return std::ranges::find(kOthers, lower) != kOthers.end() || std::ranges::any_of(kColorNames, is_channel);
+}
+
 absl::StatusOr<std::optional<std::size_t>> find_unique(const std::vector<std::string_view>& names,
                                                        std::string_view name) {
   const auto first = std::find(names.begin(), names.end(), name);
@@ -138,7 +147,7 @@ absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, st
   ASSIGN_OR_RETURN(const auto position, names.find({"x", "y", "z"}));
   if (!position) return absl::InvalidArgumentError("x, y and z must be there");
   for (const std::size_t i : *position) {
-    if (!fields[i].is_single) {
+    if (!fields[i].is_single()) {
       return absl::InvalidArgumentError(fmt::format("{} must be one number for each point", quoted(fields[i].name)));
     }
   }
@@ -148,7 +157,7 @@ absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, st
   for (const std::string_view wanted : {"label", "scalar_Label"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted));
     if (!found || roles.label) continue;
-    if (fields[*found].is_single) {
+    if (fields[*found].is_single()) {
       roles.label = found;
     } else {
       warnings.push_back(

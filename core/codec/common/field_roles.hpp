@@ -19,7 +19,9 @@ namespace segserve::codec {
 struct Field {
   std::string_view name;
   ScalarType type = ScalarType::kFloat32;
-  bool is_single = true;  ///< one number per point
+  std::size_t count = 1;  ///< numbers per point; 0 if it is not the same for all points
+
+  bool is_single() const { return count == 1; }
 };
 
 /// How the three channels of a color are to be read.
@@ -49,6 +51,9 @@ struct FieldRoles {
 /// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, or if a name that is used occurs
 /// twice. Warns of fields that look like color, or like a label, and are not used.
 absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings);
+
+/// Whether a field of this name, in any case, can have a role.
+bool has_meaning(std::string_view name);
 
 /// The index at which `name` occurs, or nullopt if it does not occur. INVALID_ARGUMENT if it occurs twice.
 absl::StatusOr<std::optional<std::size_t>> find_unique(const std::vector<std::string_view>& names,

@@ -8,27 +8,15 @@
 #include <limits>
 #include <string>
 
-#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/point_positions.hpp"
+#include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
 namespace {
 
 /// The quiet NaN, which writers of packed floats use for "no color".
 constexpr std::uint32_t kNoColor = 0x7fc00000;
-
-/// Calls function(i, value) with the value of each point, in the column's type.
-template <typename Function>
-void for_each_value(const Column& column, std::size_t points, StopCheck& check, Function function) {
-  visit_type(column.type, [&]<typename T>(T) {
-    check.for_each(0, points,
-                   [&](std::size_t i) { function(i, load<T>(column.data + i * column.stride, column.order)); });
-  });
-}
-
-void read_position(const Column& column, StopCheck& check, std::vector<float>& out) {
-  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] = static_cast<float>(value); });
-}
 
 void read_packed(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
   const bool can_be_nan = is_float(column.type);
@@ -133,30 +121,66 @@ void read_label(const Column& column, std::size_t points, StopCheck& check, Labe
   out.warnings.push_back({WarningReason::kLabelNotUsed, fault});
 }
 
-}  // namespace
-
-absl::Status read_columns(const FieldRoles& roles, const std::function<Column(std::size_t field)>& column,
-                          std::size_t points, LabeledCloud& out, const StopToken& stop) {
-  Cloud& cloud = out.cloud;
-  cloud.resize(points, roles.has_color());
-  cloud.width = static_cast<std::uint32_t>(points);
-  cloud.height = 1;
-  StopCheck check(stop);
-  read_position(column(roles.position[0]), check, cloud.x);
-  read_position(column(roles.position[1]), check, cloud.y);
-  read_position(column(roles.position[2]), check, cloud.z);
+void read_color(const PointTable& table, StopCheck& check, Cloud& cloud) {
+  const FieldRoles& roles = table.roles;
   if (roles.packed) {
-    read_packed(column(*roles.packed), check, cloud.rgb);
+    read_packed(table.column(*roles.packed), check, cloud.rgb);
   } else if (roles.channels) {
     const auto [red, green, blue] = *roles.channels;
-    read_channels({column(red), column(green), column(blue)}, roles.channel_kind, check, cloud.rgb);
+    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, check, cloud.rgb);
   }
-  if (roles.label && !check.stopped()) read_label(column(*roles.label), points, check, out);
-  return check.status();
 }
 
-std::string given_view_rule(const View& view) {
-  return view.kind == ViewKind::kCamera ? "CAMERA, as asked for" : "WORLD, as asked for";
+/// Copies the values of a field, in little-endian order.
+Attribute copy_field(const Field& field, const Column& column, std::size_t points, StopCheck& check) {
+  Attribute attribute{std::string(field.name), field.type, field.count, {}};
+  const std::size_t size = size_of(field.type), bytes = attribute.bytes_per_point();
+  attribute.values.resize(points * bytes);
+  check.for_each(0, points, [&](std::size_t i) {
+    std::byte* const out = attribute.values.data() + i * bytes;
+    std::copy_n(column.data + i * column.stride, bytes, out);
+    if (column.order == std::endian::little) return;
+    for (std::size_t k = 0; k < field.count; ++k) std::reverse(out + k * size, out + (k + 1) * size);
+  });
+  return attribute;
+}
+
+void keep_attributes(const PointTable& table, StopCheck& check, LabeledCloud& out) {
+  constexpr std::string_view kPadding = "_";
+  const std::vector<std::size_t> used = table.roles.fields();
+  for (std::size_t i = 0; i < table.fields.size() && !check.stopped(); ++i) {
+    const Field& field = table.fields[i];
+    const bool is_label = table.roles.label == i;
+    const bool is_used = std::ranges::find(used, i) != used.end();
+    if ((is_used && !is_label) || field.name == kPadding || field.count == 0) continue;
+    out.attributes.push_back(copy_field(field, table.column(i), table.points(), check));
+    if (is_label) out.attributes.back().name = "input_label";
+  }
+}
+
+}  // namespace
+
+void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fields, std::vector<Warning>& warnings) {
+  for (const std::size_t field : unreadable) {
+    fields[field].count = 0;
+    warnings.push_back({WarningReason::kAttributeNotKept,
+                        fmt::format("the values of {} are not kept, because some of them are no numbers of its type",
+                                    quoted(fields[field].name))});
+  }
+}
+
+absl::Status read_points(const PointTable& table, const ViewEvidence& evidence, const ReadOptions& options,
+                         const StopToken& stop, LabeledCloud& out) {
+  const FieldRoles& roles = table.roles;
+  out.cloud.resize(table.points(), roles.has_color());
+  out.cloud.width = table.width;
+  out.cloud.height = table.height;
+  StopCheck check(stop);
+  read_color(table, check, out.cloud);
+  if (roles.label && !check.stopped()) read_label(table.column(*roles.label), table.points(), check, out);
+  if (options.keep_everything) keep_attributes(table, check, out);
+  const auto [x, y, z] = roles.position;
+  return read_positions({table.column(x), table.column(y), table.column(z)}, evidence, options, check, out);
 }
 
 }  // namespace segserve::codec

@@ -1,42 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
-#include <optional>
-#include <string>
-#include <string_view>
+#include <set>
 #include <vector>
 
 #include "absl/status/status.h"
-#include "absl/status/statusor.h"
+#include "core/codec/common/column.hpp"
 #include "core/codec/common/field_roles.hpp"
-#include "core/codec/common/scalar_type.hpp"
-#include "segserve/cloud.hpp"
+#include "core/codec/view/view_choice.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
+#include "segserve/codec/read_options.hpp"
 #include "segserve/stop_token.hpp"
 
-// How the values of a PCD or PLY file become a cloud with labels.
+// How the values of a file become a cloud with labels.
 namespace segserve::codec {
 
-/// The values of one field. The value of point i begins at data + i * stride.
-struct Column {
-  const std::byte* data = nullptr;
-  std::size_t stride = 0;
-  ScalarType type = ScalarType::kFloat32;
-  std::endian order = std::endian::little;
+/// The values of width * height points, field by field. The columns lie within bytes at hand.
+struct PointTable {
+  std::vector<Field> fields;
+  FieldRoles roles;  ///< indices into `fields`
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  /// The values of a field. Those of a field with a count above 1 begin with the first of them, and lie next to each
+  /// other. Fields without a role are asked for only if everything is to be kept.
+  std::function<Column(std::size_t field)> column;
+
+  std::size_t points() const { return std::size_t{width} * height; }
 };
 
-/// Converts the columns of the fields that have a role to the `points` points and labels of `out`, and adds warnings.
-/// The shape becomes points x 1; the caller sets another shape, and the view. The caller has checked that the columns
-/// lie within bytes at hand. The low 32 bits of an integer, or all of a float, are a packed color. CANCELLED,
-/// DEADLINE_EXCEEDED.
-absl::Status read_columns(const FieldRoles& roles, const std::function<Column(std::size_t field)>& column,
-                          std::size_t points, LabeledCloud& out, const StopToken& stop = {});
+/// Takes fields without a role that cannot be read out of the attributes, and warns of each.
+void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fields, std::vector<Warning>& warnings);
 
-/// LabeledCloud::view_rule of a cloud whose view the caller has given.
-std::string given_view_rule(const View& view);
+/// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. The
+/// low 32 bits of an integer, or all of a float, are a packed color. Labels that the file has become the attribute
+/// `input_label`, too, because files that are written from it have other labels. Adds warnings. CANCELLED,
+/// DEADLINE_EXCEEDED.
+absl::Status read_points(const PointTable& table, const ViewEvidence& evidence, const ReadOptions& options,
+                         const StopToken& stop, LabeledCloud& out);
 
 }  // namespace segserve::codec

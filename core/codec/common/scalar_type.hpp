@@ -9,24 +9,12 @@
 #include <cstring>
 #include <type_traits>
 
+#include "segserve/codec/attribute.hpp"
+
 namespace segserve::codec {
 
 // Several decoders take little-endian numbers from memory as they are.
 static_assert(std::endian::native == std::endian::little);
-
-/// The number types of PCD and PLY files.
-enum class ScalarType : std::uint8_t {
-  kInt8,
-  kInt16,
-  kInt32,
-  kInt64,
-  kUint8,
-  kUint16,
-  kUint32,
-  kUint64,
-  kFloat32,
-  kFloat64,
-};
 
 /// Calls `visitor` with a value of the C++ type, which is 0, and returns its result.
 template <typename Visitor>
@@ -54,12 +42,6 @@ decltype(auto) visit_type(ScalarType type, Visitor&& visitor) {
       break;
   }
   return visitor(double{});
-}
-
-/// Bytes of a number.
-constexpr std::size_t size_of(ScalarType type) {
-  constexpr std::array<std::size_t, 10> kSizes{1, 2, 4, 8, 1, 2, 4, 8, 4, 8};
-  return kSizes[static_cast<std::size_t>(type)];
 }
 
 constexpr bool is_float(ScalarType type) { return type == ScalarType::kFloat32 || type == ScalarType::kFloat64; }

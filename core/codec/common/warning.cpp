@@ -12,10 +12,14 @@ struct Entry {
   std::string_view name;
 };
 
-constexpr std::array<Entry, 4> kReasons{{
+constexpr std::array<Entry, 8> kReasons{{
     {WarningReason::kColorNotUsed, "COLOR_NOT_USED"},
     {WarningReason::kLabelNotUsed, "LABEL_NOT_USED"},
     {WarningReason::kRowsNotUsed, "ROWS_NOT_USED"},
+    {WarningReason::kPointsNotUsed, "POINTS_NOT_USED"},
+    {WarningReason::kAttributeNotKept, "ATTRIBUTE_NOT_KEPT"},
+    {WarningReason::kTooSparse, "TOO_SPARSE"},
+    {WarningReason::kUnitGuessed, "UNIT_GUESSED"},
     {WarningReason::kOther, "OTHER"},
 }};
 

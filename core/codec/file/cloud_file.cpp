@@ -85,29 +85,34 @@ bool has_extension(const std::string& path, std::string_view extension) {
 }  // namespace
 
 absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                          std::optional<View> view) {
-  if (is_ply(as_text(bytes))) return decode_ply(bytes, limits, view);
+                                          const ReadOptions& options, const StopToken& stop) {
+  if (is_ply(as_text(bytes))) return decode_ply(bytes, limits, options, stop);
   if (const auto advice = advice_on_format(as_text(bytes))) return absl::InvalidArgumentError(*advice);
-  return decode_pcd(bytes, limits, view);
+  return decode_pcd(bytes, limits, options, stop);
 }
 
-absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, std::optional<View> view, const DecodeLimits& limits) {
+absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options,
+                                        const DecodeLimits& limits) {
   ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_path(path, limits));
-  auto cloud = decode_cloud(bytes, limits, view);
+  auto cloud = decode_cloud(bytes, limits, options);
   if (!cloud.ok()) return with_prefix(path, cloud.status());
   return cloud;
 }
 
-absl::Status save_cloud(const std::string& path, const CloudView& cloud, std::span<const std::uint32_t> label,
-                        FileEncoding encoding) {
+absl::Status save_cloud(const std::string& path, const FileContent& content, FileEncoding encoding) {
   const bool text = encoding == FileEncoding::kText;
   if (path == kStandardStream || has_extension(path, ".pcd")) {
-    return write_path(path, encode_pcd(cloud, label, text ? PcdEncoding::kAscii : PcdEncoding::kBinaryCompressed));
+    return write_path(path, encode_pcd(content, text ? PcdEncoding::kAscii : PcdEncoding::kBinaryCompressed));
   }
   if (has_extension(path, ".ply")) {
-    return write_path(path, encode_ply(cloud, label, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian));
+    return write_path(path, encode_ply(content, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian));
   }
   return with_prefix(path, absl::InvalidArgumentError("the name of a cloud must end in .pcd or .ply"));
+}
+
+absl::Status save_cloud(const std::string& path, const CloudView& cloud, std::span<const std::uint32_t> label,
+                        FileEncoding encoding) {
+  return save_cloud(path, FileContent{.cloud = cloud, .label = label}, encoding);
 }
 
 }  // namespace segserve::codec

@@ -15,6 +15,7 @@
 #include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -57,7 +58,13 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
   while (const auto line = lines.next()) {
     std::string_view text = line->text;
     std::string_view keyword = take_word(text);
-    if (keyword.empty() || keyword.starts_with('#')) continue;
+    if (keyword.starts_with('#')) {
+      const std::size_t begin = line->text.find_first_not_of("# \t");
+      if (const auto view = stated_view(line->text.substr(std::min(begin, line->text.size()))))
+        header.stated_view = view;
+      continue;
+    }
+    if (keyword.empty()) continue;
     if (keyword == "COLUMNS") keyword = "FIELDS";  // The entry had this name before version 0.6.
     RETURN_IF_ERROR(check_keyword(keyword, line->number, entries));
     if (!line->terminated) break;
@@ -187,16 +194,14 @@ absl::Status read_shape(const Entries& entries, const DecodeLimits& limits, PcdH
 absl::Status read_viewpoint(const Entries& entries, PcdHeader& header) {
   const Entry* entry = find_entry(entries, "VIEWPOINT");
   if (entry == nullptr) return absl::OkStatus();
-  std::array<float, 7> pose{};  // translation x y z, rotation w x y z
+  std::array<double, 7> pose{};  // translation x y z, rotation w x y z
   bool good = entry->words.size() == pose.size();
   for (std::size_t i = 0; good && i < pose.size(); ++i) {
-    good = parse_scalar(entry->words[i], ScalarType::kFloat32, reinterpret_cast<std::byte*>(&pose[i])) &&
+    good = parse_scalar(entry->words[i], ScalarType::kFloat64, reinterpret_cast<std::byte*>(&pose[i])) &&
            std::isfinite(pose[i]);
   }
   if (!good) return fault("VIEWPOINT in line {} must be 7 finite numbers: tx ty tz qw qx qy qz", entry->line);
   header.viewpoint = {pose[0], pose[1], pose[2]};
-  const auto is_zero = [&](std::size_t i) { return pose[i] == 0.0F; };
-  header.identity_viewpoint = is_zero(0) && is_zero(1) && is_zero(2) && is_zero(4) && is_zero(5) && is_zero(6);
   return absl::OkStatus();
 }
 
@@ -217,15 +222,19 @@ absl::Status read_encoding(const Entries& entries, PcdHeader& header) {
 }
 
 absl::Status assign_roles(PcdHeader& header) {
-  std::vector<Field> fields;
-  for (const PcdField& field : header.fields) fields.push_back({field.name, field.type, field.count == 1});
-  auto roles = find_field_roles(fields, header.warnings);
+  auto roles = find_field_roles(header.point_fields(), header.warnings);
   if (!roles.ok()) return with_prefix("PCD header: FIELDS", roles.status());
   header.roles = *std::move(roles);
   return absl::OkStatus();
 }
 
 }  // namespace
+
+std::vector<Field> PcdHeader::point_fields() const {
+  std::vector<Field> all;
+  for (const PcdField& field : fields) all.push_back({field.name, field.type, field.count});
+  return all;
+}
 
 std::size_t PcdHeader::point_bytes() const {
   std::size_t sum = 0;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,13 +36,15 @@ struct PcdHeader {
   std::vector<Warning> warnings;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::size_t points = 0;            ///< width * height
-  std::array<float, 3> viewpoint{};  ///< translation, meters
-  bool identity_viewpoint = true;    ///< the viewpoint has neither a translation nor a rotation
+  std::size_t points = 0;                    ///< width * height
+  std::optional<Eigen::Vector3d> viewpoint;  ///< its translation, in the file's unit; unset if it is missing
+  std::optional<View> stated_view;           ///< see view_statement
   PcdEncoding encoding = PcdEncoding::kAscii;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file
   std::size_t body_line = 1;    ///< number of the body's first line, counted from 1
 
+  /// The fields as find_field_roles has them. They refer to the names in this header.
+  std::vector<Field> point_fields() const;
   /// Bytes of one point in a binary body. The sum cannot overflow, because it is at most DecodeLimits::max_bytes.
   std::size_t point_bytes() const;
 };

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <memory>
+#include <set>
 #include <utility>
 
 #include "core/base/status_macros.hpp"
+#include "core/base/stop_check.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/surplus_lines.hpp"
@@ -41,12 +44,13 @@ class BinaryValues {
 
   std::endian order() const { return order_; }
   static ScalarType row_type(ScalarType type) { return type; }
+  static bool was_unreadable() { return false; }
   /// Whether the rest of the body is long enough for an element that has properties.
   bool can_hold(const PlyElement& element) const { return element.rows <= rest_.size() / element.least_row_bytes(); }
   bool begin_row() { return true; }
   bool end_row() { return true; }
   /// Copies a value to `out` in the body's byte order, or skips it if `out` is null.
-  bool scalar(const PlyProperty& property, std::byte* out) {
+  bool scalar(const PlyProperty& property, ScalarType /*type*/, std::byte* out) {
     const std::size_t bytes = size_of(property.type);
     if (rest_.size() < bytes) return false;
     if (out != nullptr) std::memcpy(out, rest_.data(), bytes);
@@ -95,12 +99,15 @@ class TextValues {
     const std::string_view word = take_word(line_.text);
     return word.empty() || explain(fmt::format("{} is one value too many", quoted(word)));
   }
-  bool scalar(const PlyProperty& property, std::byte* out) {
+  bool scalar(const PlyProperty& property, ScalarType type, std::byte* out) {
     const std::string_view word = take_word(line_.text);
     if (word.empty()) return explain(fmt::format("the value of '{}' is missing", property.name));
-    if (out == nullptr || parse_scalar(word, text_type(property.type), out)) return true;
+    if (out == nullptr || parse_scalar(word, type, out)) return true;
+    is_unreadable_ = true;
     return explain(fmt::format("{} is not a value of '{}'", quoted(word), property.name));
   }
+  /// Whether the last fault is a word that is not a value, so that the reader can go on behind it.
+  bool was_unreadable() { return std::exchange(is_unreadable_, false); }
   bool skip_list(const PlyProperty& property) {
     const std::string_view word = take_word(line_.text);
     const auto length = parse_count(word);
@@ -131,43 +138,65 @@ class TextValues {
   std::size_t bytes_;
   LineReader::Line line_{};
   std::string explanation_;
+  bool is_unreadable_ = false;
 };
 
-/// The values of the properties that have a role. Each vertex has a row.
+/// The values of the properties that are kept. Each vertex has a row.
 struct VertexRows {
   static constexpr std::size_t kSkip = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> offset;  ///< where each property begins in a row; kSkip if it has no role
+  std::vector<std::size_t> offset;  ///< where each property begins in a row; kSkip if it is not kept
   std::vector<ScalarType> type;     ///< of each property's values in a row
+  std::vector<bool> is_needed;      ///< whether the property has a role
   std::size_t bytes = 0;            ///< length of a row
   std::unique_ptr<std::byte[]> data;
+  std::set<std::size_t> unreadable;  ///< properties without a role that have words which are no values of theirs
 
-  VertexRows(const PlyElement& vertex, const FieldRoles& roles, ScalarType (*row_type)(ScalarType))
+  /// Keeps all properties but lists, or only those that have a role.
+  VertexRows(const PlyElement& vertex, const FieldRoles& roles, bool keep_all, ScalarType (*row_type)(ScalarType))
       : offset(vertex.properties.size(), kSkip) {
-    for (const PlyProperty& property : vertex.properties) type.push_back(row_type(property.type));
-    for (const std::size_t property : roles.fields()) {
-      offset[property] = bytes;
-      bytes += size_of(type[property]);
+    const auto used = roles.fields();
+    for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
+      const PlyProperty& property = vertex.properties[i];
+      is_needed.push_back(std::ranges::find(used, i) != used.end());
+      type.push_back(is_needed[i] ? row_type(property.type) : property.type);
+      if (!is_needed[i] && (!keep_all || property.length_type)) continue;
+      offset[i] = bytes;
+      bytes += size_of(type[i]);
     }
   }
 };
 
+/// Reads one row into rows.data, if `rows` is not null. Returns false after a fault.
+template <typename Values>
+bool read_row(const PlyElement& element, std::uint64_t row, Values& values, VertexRows* rows) {
+  if (!values.begin_row()) return false;
+  for (std::size_t i = 0; i < element.properties.size(); ++i) {
+    const PlyProperty& property = element.properties[i];
+    if (property.length_type) {
+      if (!values.skip_list(property)) return false;
+      continue;
+    }
+    const bool is_kept = rows != nullptr && rows->offset[i] != VertexRows::kSkip;
+    std::byte* const out = is_kept ? rows->data.get() + row * rows->bytes + rows->offset[i] : nullptr;
+    if (values.scalar(property, is_kept ? rows->type[i] : property.type, out)) continue;
+    if (!is_kept || rows->is_needed[i] || !values.was_unreadable()) return false;
+    std::fill_n(out, size_of(rows->type[i]), std::byte{0});
+    rows->unreadable.insert(i);
+  }
+  return values.end_row();
+}
+
 /// Reads one element. Its values are kept in `keep` unless that is null.
 template <typename Values>
-absl::Status read_element(const PlyElement& element, Values& values, VertexRows* keep) {
+absl::Status read_element(const PlyElement& element, Values& values, StopCheck& check, VertexRows* keep) {
   if (element.properties.empty()) return absl::OkStatus();
   if (!values.can_hold(element)) return fault("it is too short for {} rows of {}", element.rows, quoted(element.name));
   if (keep != nullptr) {
     keep->data = std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(element.rows) * keep->bytes);
   }
   for (std::uint64_t row = 0; row < element.rows; ++row) {
-    bool good = values.begin_row();
-    for (std::size_t i = 0; good && i < element.properties.size(); ++i) {
-      const PlyProperty& property = element.properties[i];
-      const bool wanted = keep != nullptr && keep->offset[i] != VertexRows::kSkip;
-      std::byte* out = wanted ? keep->data.get() + row * keep->bytes + keep->offset[i] : nullptr;
-      good = property.length_type ? values.skip_list(property) : values.scalar(property, out);
-    }
-    if (!good || !values.end_row()) {
+    if (check.after(element.properties.size())) return check.status();
+    if (!read_row(element, row, values, keep)) {
       return fault("row {} (counted from 0) of {}: {}", row, quoted(element.name), values.place());
     }
   }
@@ -176,9 +205,11 @@ absl::Status read_element(const PlyElement& element, Values& values, VertexRows*
 
 /// Walks over what follows the vertices, which is not needed, only to warn if it is not what the header promises.
 template <typename Values>
-void check_rest(const PlyHeader& header, Values& values, std::vector<Warning>& warnings) {
+void check_rest(const PlyHeader& header, Values& values, StopCheck& check, std::vector<Warning>& warnings) {
   for (std::size_t i = header.vertex + 1; i < header.elements.size(); ++i) {
-    if (const absl::Status damage = read_element(header.elements[i], values, nullptr); !damage.ok()) {
+    const absl::Status damage = read_element(header.elements[i], values, check, nullptr);
+    if (check.stopped()) return;
+    if (!damage.ok()) {
       warnings.push_back(
           {WarningReason::kRowsNotUsed,
            fmt::format("what follows the vertices is not used, and damaged: {}", std::string(damage.message()))});
@@ -188,44 +219,59 @@ void check_rest(const PlyHeader& header, Values& values, std::vector<Warning>& w
   warn_of_surplus_lines(values.surplus(), warnings);
 }
 
-template <typename Values>
-absl::Status read_body(const PlyHeader& header, Values values, LabeledCloud& out) {
-  const PlyElement& vertex = header.elements[header.vertex];
-  VertexRows rows(vertex, header.roles, Values::row_type);
-  for (std::size_t i = 0; i <= header.vertex; ++i) {
-    RETURN_IF_ERROR(read_element(header.elements[i], values, i == header.vertex ? &rows : nullptr));
-  }
-  check_rest(header, values, out.warnings);
-  const auto column = [&](std::size_t property) {
-    return Column{rows.data.get() + rows.offset[property], rows.bytes, rows.type[property], values.order()};
-  };
-  return read_columns(header.roles, column, static_cast<std::size_t>(vertex.rows), out);
-}
+/// Reads the body of a file, whose header is known.
+class BodyReader {
+ public:
+  BodyReader(const PlyHeader& header, const ReadOptions& options, const StopToken& stop, LabeledCloud& out)
+      : header_(header), options_(options), stop_(stop), out_(out) {}
 
-absl::Status read_body(const PlyHeader& header, std::span<const std::byte> body, LabeledCloud& out) {
-  switch (header.format) {
-    case PlyFormat::kAscii:
-      return read_body(header, TextValues(as_text(body), header.body_line), out);
-    case PlyFormat::kLittleEndian:
-      return read_body(header, BinaryValues(body, std::endian::little), out);
-    case PlyFormat::kBigEndian:
-      break;
+  absl::Status read(std::span<const std::byte> body) {
+    switch (header_.format) {
+      case PlyFormat::kAscii:
+        return read_values(TextValues(as_text(body), header_.body_line));
+      case PlyFormat::kLittleEndian:
+        return read_values(BinaryValues(body, std::endian::little));
+      case PlyFormat::kBigEndian:
+        break;
+    }
+    return read_values(BinaryValues(body, std::endian::big));
   }
-  return read_body(header, BinaryValues(body, std::endian::big), out);
-}
+
+ private:
+  template <typename Values>
+  absl::Status read_values(Values values) {
+    const PlyElement& vertex = header_.elements[header_.vertex];
+    VertexRows rows(vertex, header_.roles, options_.keep_everything, Values::row_type);
+    StopCheck check(stop_);
+    for (std::size_t i = 0; i <= header_.vertex; ++i) {
+      RETURN_IF_ERROR(read_element(header_.elements[i], values, check, i == header_.vertex ? &rows : nullptr));
+    }
+    check_rest(header_, values, check, out_.warnings);
+    RETURN_IF_ERROR(check.status());
+    const auto column = [&](std::size_t property) {
+      return Column{rows.data.get() + rows.offset[property], rows.bytes, rows.type[property], values.order()};
+    };
+    PointTable table{fields_of(vertex), header_.roles, static_cast<std::uint32_t>(vertex.rows), 1, column};
+    leave_out(rows.unreadable, table.fields, out_.warnings);
+    return read_points(table, {.stated = header_.stated_view}, options_, stop_, out_);
+  }
+
+  const PlyHeader& header_;
+  const ReadOptions& options_;
+  const StopToken& stop_;
+  LabeledCloud& out_;
+};
 
 }  // namespace
 
 absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const DecodeLimits& limits,
-                                        std::optional<View> view) {
+                                        const ReadOptions& options, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes("PLY file: ", bytes.size(), limits));
   const std::string_view file = without_byte_order_mark(as_text(bytes));
   ASSIGN_OR_RETURN(PlyHeader header, parse_ply_header(file, limits));
   LabeledCloud out;
   out.warnings = std::move(header.warnings);
-  RETURN_IF_ERROR(read_body(header, as_bytes(std::span(file.substr(header.body_offset))), out));
-  out.cloud.view = view.value_or(View::world());
-  out.view_rule = view ? given_view_rule(*view) : "WORLD without a sensor, because PLY does not tell where it is";
+  RETURN_IF_ERROR(BodyReader(header, options, stop, out).read(as_bytes(std::span(file.substr(header.body_offset)))));
   return out;
 }
 

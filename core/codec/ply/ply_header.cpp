@@ -11,6 +11,7 @@
 #include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/view/view_choice.hpp"
 #include "segserve/codec/ply.hpp"
 
 namespace segserve::codec {
@@ -121,6 +122,10 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
       return fault("line {} is one more than the {} elements and properties that are accepted", line->number,
                    kMostHeaderFields);
     }
+    if (words[0] == "comment") {
+      const auto view = stated_view(line->text.substr(std::min(line->text.size(), line->text.find("comment ") + 8)));
+      if (view) header.stated_view = view;
+    }
     RETURN_IF_ERROR(read_line(words, line->number, header));
   }
   if (file.size() > kMostHeaderBytes) return fault("no line 'end_header' is in the first {} bytes", kMostHeaderBytes);
@@ -128,12 +133,7 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
 }
 
 absl::Status assign_roles(PlyHeader& header) {
-  const PlyElement& vertex = header.elements[header.vertex];
-  std::vector<Field> fields;
-  for (const PlyProperty& property : vertex.properties) {
-    fields.push_back({property.name, property.type, !property.length_type});
-  }
-  auto roles = find_field_roles(fields, header.warnings);
+  auto roles = find_field_roles(fields_of(header.elements[header.vertex]), header.warnings);
   if (!roles.ok()) return with_prefix("PLY header: properties of 'vertex'", roles.status());
   header.roles = *std::move(roles);
   return absl::OkStatus();
@@ -160,6 +160,14 @@ std::size_t PlyElement::least_row_bytes() const {
   std::size_t sum = 0;
   for (const PlyProperty& property : properties) sum += size_of(property.length_type.value_or(property.type));
   return sum;
+}
+
+std::vector<Field> fields_of(const PlyElement& element) {
+  std::vector<Field> fields;
+  for (const PlyProperty& property : element.properties) {
+    fields.push_back({property.name, property.type, property.length_type ? 0U : 1U});
+  }
+  return fields;
 }
 
 bool is_ply(std::string_view file) {

@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/codec/common/field_roles.hpp"
 #include "core/codec/common/scalar_type.hpp"
+#include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
 
 namespace segserve::codec {
@@ -39,12 +40,16 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  std::size_t vertex = 0;  ///< index of the element `vertex`
-  FieldRoles roles;        ///< indices into the properties of `vertex`
+  std::size_t vertex = 0;           ///< index of the element `vertex`
+  FieldRoles roles;                 ///< indices into the properties of `vertex`
+  std::optional<View> stated_view;  ///< see view_statement
   std::vector<Warning> warnings;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file
   std::size_t body_line = 1;    ///< number of the body's first line, counted from 1
 };
+
+/// The properties of an element as find_field_roles has them. They refer to the names in the element.
+std::vector<Field> fields_of(const PlyElement& element);
 
 /// Parses the header at the beginning of a PLY file. INVALID_ARGUMENT that names the line and the fault, or the
 /// exceeded limit. Headers beyond header_limits.hpp are refused.

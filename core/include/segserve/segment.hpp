@@ -33,7 +33,8 @@ struct StageTimings {
 };
 
 /// A segmented cloud of N points and m supervoxels. A point is not segmented if it is not finite, if the crop box or
-/// the range leaves it out, or if it is removed with the support plane.
+/// the range leaves it out, if it is removed with the support plane, or if it is no measurement: (0, 0, 0) in a CAMERA
+/// view, or one of a few points that lie far beyond the others.
 struct Segmentation {
   std::vector<std::uint32_t> labels;       ///< N, input order; 0 = not segmented, 1..segments by descending size
   std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
@@ -42,11 +43,16 @@ struct Segmentation {
   /// Statistics of the kMostDescribedSegments largest segments, largest first. Empty unless `describe` sets them.
   std::vector<SegmentStatistics> statistics;
   std::vector<Eigen::Vector3d> supervoxel_normals;  ///< m: sums of the unit normals of each supervoxel's voxels
-  std::size_t finite_points = 0;                    ///< points that are finite, segmented or not
-  std::size_t segmented_points = 0;                 ///< points with a label other than 0
-  std::optional<SupportPlane> support_plane;        ///< set if the options ask for its removal
-  std::size_t voxels = 0;                           ///< voxels that were segmented
-  std::optional<double> threshold;                  ///< of the cut; unset if the options ask for a number of regions
+  std::size_t finite_points = 0;              ///< points that are finite, segmented or not; zero_points do not count
+  std::size_t zero_points = 0;                ///< points at (0, 0, 0) in a CAMERA view: pixels without depth
+  std::size_t points_beyond_grid = 0;         ///< finite points that were left out because they are beyond the grid
+  std::size_t segmented_points = 0;           ///< points with a label other than 0
+  std::optional<SupportPlane> support_plane;  ///< set if the options ask for its removal
+  std::size_t voxels = 0;                     ///< voxels that were segmented
+  /// If nearly every voxel holds a single point, a voxel_resolution, meters, at which a voxel would hold about four.
+  /// The resolution, or the unit of the coordinates, is then probably wrong.
+  std::optional<double> fitting_resolution;
+  std::optional<double> threshold;  ///< of the cut; unset if the options ask for a number of regions
   /// The weight of color against geometry that a method of the paper used; 1/2 for Equalization. 0 with the border
   /// method, which has no such weight.
   double lambda = 0;
@@ -91,8 +97,9 @@ class Segmenter {
   Segmenter& operator=(Segmenter&&) noexcept;
 
   /// Segments a cloud. A cloud without any point to segment is no error: all labels are 0 and the tree is empty.
-  /// INVALID_ARGUMENT if the options are not valid (`check`), the cloud has the wrong shape (`check_shape`), or a point
-  /// to segment has z <= 0 in a CAMERA view or lies beyond the grid, which reaches about 2^18 voxels from the origin.
+  /// INVALID_ARGUMENT if the options are not valid (`check`), the cloud has the wrong shape (`check_shape`), or more
+  /// than a few points to segment have z <= 0 in a CAMERA view or lie beyond the grid, which reaches about 2^18 voxels
+  /// from the origin. Points at (0, 0, 0) in a CAMERA view, and a few beyond the grid, are left out.
   /// CANCELLED and DEADLINE_EXCEEDED as `stop` says. An exception of a WorkMeter's callback, or std::bad_alloc, leaves
   /// the object in a state in which it can segment other clouds. `admit` is asked as FrameSize says, before the
   /// memory is allocated.

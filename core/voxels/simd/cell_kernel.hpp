@@ -74,7 +74,8 @@ SEGSERVE_INLINE Ints no_cell(std::size_t i, const CellOutput& out) {
   return Ints{};
 }
 
-/// Finds the cells of kFloatLanes points, of which i is the first. Returns the lanes that are finite but not valid.
+/// Finds the cells of kFloatLanes points, of which i is the first. Returns the lanes that are selected and finite but
+/// have no cell.
 template <bool camera>
 SEGSERVE_INLINE Ints find_cell(const CellInput in, Floats x, Floats y, Floats z, std::size_t i, const CellOutput out) {
   Ints is_finite = finite(x) & finite(y) & finite(z);
@@ -94,8 +95,7 @@ SEGSERVE_INLINE Ints find_cell(const CellInput in, Floats x, Floats y, Floats z,
   const auto biased = [taken](Floats v)
                           SEGSERVE_INLINE_LAMBDA { return floor_to_int(taken ? v : Floats{}) + kCellBias; };
   const Ints cx = biased(x), cy = biased(y), cz = biased(z);
-  store_keys(cx | cy << kCellBits | ~is_finite, cy >> (32 - kCellBits) | cz << (2 * kCellBits - 32) | ~is_finite,
-             out.keys + i);
+  store_keys(cx | cy << kCellBits | ~taken, cy >> (32 - kCellBits) | cz << (2 * kCellBits - 32) | ~taken, out.keys + i);
   const auto rounded = [taken](Floats v) SEGSERVE_INLINE_LAMBDA { return floor_to_int(taken ? v + 0.5F : Floats{}); };
   store(rounded(fixed[0]), out.x + i);
   store(rounded(fixed[1]), out.y + i);
@@ -103,21 +103,30 @@ SEGSERVE_INLINE Ints find_cell(const CellInput in, Floats x, Floats y, Floats z,
   return is_finite & ~valid;
 }
 
+/// Counts the lanes without a cell, of which i is the index of the first lane.
 template <bool camera>
-SEGSERVE_INLINE std::size_t find_all_cells(const CellInput in, std::size_t count, const CellOutput out) {
-  std::size_t i = 0;
-  const auto first_of = [&](Ints faults) SEGSERVE_INLINE_LAMBDA {
-    for (std::size_t k = 0; k < kFloatLanes; ++k) {
-      if (faults[k] != 0) return i + k;
+void count_faults(Ints faults, Floats x, Floats y, Floats z, std::size_t i, PointsWithoutCell& without) {
+  for (std::size_t k = 0; k < kFloatLanes; ++k) {
+    if (faults[k] == 0) continue;
+    if (camera && x[k] == 0 && y[k] == 0 && z[k] == 0) {
+      ++without.zeros;
+    } else {
+      if (without.others == 0) without.first_other = i + k;
+      ++without.others;
     }
-    return count;
-  };
-  for (; i + kFloatLanes <= count; i += kFloatLanes) {
-    const Ints faults =
-        find_cell<camera>(in, load<Floats>(in.x + i), load<Floats>(in.y + i), load<Floats>(in.z + i), i, out);
-    if (any(faults)) return first_of(faults);
   }
-  if (i == count) return count;
+}
+
+template <bool camera>
+SEGSERVE_INLINE PointsWithoutCell find_all_cells(const CellInput in, std::size_t count, const CellOutput out) {
+  PointsWithoutCell without;
+  std::size_t i = 0;
+  for (; i + kFloatLanes <= count; i += kFloatLanes) {
+    const Floats x = load<Floats>(in.x + i), y = load<Floats>(in.y + i), z = load<Floats>(in.z + i);
+    const Ints faults = find_cell<camera>(in, x, y, z, i, out);
+    if (any(faults)) count_faults<camera>(faults, x, y, z, i, without);
+  }
+  if (i == count) return without;
   Floats rest[3];
   const float* const planes[3] = {in.x, in.y, in.z};
   for (int axis = 0; axis < 3; ++axis) {
@@ -126,10 +135,11 @@ SEGSERVE_INLINE std::size_t find_all_cells(const CellInput in, std::size_t count
     }
   }
   const Ints faults = find_cell<camera>(in, rest[0], rest[1], rest[2], i, out);
-  return any(faults) ? first_of(faults) : count;
+  if (any(faults)) count_faults<camera>(faults, rest[0], rest[1], rest[2], i, without);
+  return without;
 }
 
-std::size_t find_cells(const CellInput& in, std::size_t count, const CellOutput& out) {
+PointsWithoutCell find_cells(const CellInput& in, std::size_t count, const CellOutput& out) {
   return in.camera ? find_all_cells<true>(in, count, out) : find_all_cells<false>(in, count, out);
 }
 

@@ -21,11 +21,19 @@ struct CellInput {
   const SelectionLimits* selection;  ///< null selects all points
 };
 
-/// A key and fixed-point coordinates for each point. The key is kNoKey if the point is not finite or not selected.
-/// There must be room for 7 more points.
+/// A key and fixed-point coordinates for each point. The key is kNoKey if the point is not finite, not selected, or has
+/// no cell. There must be room for 7 more points.
 struct CellOutput {
   std::uint64_t* keys;
   std::int32_t *x, *y, *z;
+};
+
+/// Selected finite points that have no cell. In a CAMERA view, (0, 0, 0) is how many programs write a pixel without
+/// depth.
+struct PointsWithoutCell {
+  std::size_t zeros = 0;               ///< points at (0, 0, 0) in a CAMERA view
+  std::size_t others = 0;              ///< points beyond the grid, or with z <= 0 in a CAMERA view
+  std::size_t first_other = SIZE_MAX;  ///< index of the first of the others
 };
 
 /// Exact sums over points. The three color channels share a word, which is enough for kMost points.
@@ -51,9 +59,8 @@ struct RunOutput {
 
 /// The inner loops of voxelization, compiled once for each SimdTarget. All versions give the same bytes.
 struct VoxelKernels {
-  /// Finds the cells of `count` points. Returns the first point that is selected and finite but has no cell, or
-  /// `count`.
-  std::size_t (*find_cells)(const CellInput& in, std::size_t count, const CellOutput& out);
+  /// Finds the cells of `count` points. Returns those that have none.
+  PointsWithoutCell (*find_cells)(const CellInput& in, std::size_t count, const CellOutput& out);
   /// Divides `count` points, PointSums::kMost at most, into runs of equal keys. Returns their number.
   std::size_t (*find_runs)(const RunInput& in, std::size_t count, const RunOutput& out);
 };

@@ -2,6 +2,7 @@
 #include "proto/wire/payload/payload_support.hpp"
 
 #include <optional>
+#include <utility>
 
 #include "fmt/format.h"
 #include "proto/wire/cloud_message.hpp"
@@ -18,6 +19,10 @@ absl::Status decode_error(const absl::Status& status) {
                        .metadata = {{"limit", excess->limit == "max_bytes" ? "max_decoded_bytes" : excess->limit},
                                     {"allowed", fmt::format("{}", excess->allowed)},
                                     {"actual", fmt::format("{}", excess->actual)}}});
+}
+
+DecodedCloud decoded_cloud(codec::LabeledCloud&& decoded) {
+  return {std::move(decoded.cloud), std::move(decoded.view_rule), std::move(decoded.warnings), decoded.placement};
 }
 
 std::uint64_t points_of_shape(const v1::Cloud& message) { return std::uint64_t{message.width()} * message.height(); }

@@ -7,8 +7,10 @@
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "proto/wire/cloud_message.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/v1/cloud.pb.h"
 
 // Functions that several kinds of payload share.
@@ -24,6 +26,9 @@ absl::StatusOr<Decoded> with_decode_reason(absl::StatusOr<Decoded> decoded) {
   if (!decoded.ok()) return decode_error(decoded.status());
   return decoded;
 }
+
+/// What codec::decode_pcd and others return, as this layer has it.
+DecodedCloud decoded_cloud(codec::LabeledCloud&& decoded);
 
 /// The number of points of the shape that the message gives, which cannot overflow.
 std::uint64_t points_of_shape(const v1::Cloud& message);

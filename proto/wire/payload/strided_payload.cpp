@@ -30,15 +30,16 @@ codec::StridedLayout read_layout(const v1::Cloud& message) {
 
 }  // namespace
 
-absl::StatusOr<DecodedCloud> decode_strided(const v1::Cloud& message, const std::optional<View>& view,
+absl::StatusOr<DecodedCloud> decode_strided(const v1::Cloud& message, const codec::ReadOptions& options,
                                             const codec::DecodeLimits& limits, const StopToken& stop) {
   const codec::StridedLayout layout = read_layout(message);
   if (const absl::Status status = codec::check_layout(layout, limits); !status.ok()) return decode_error(status);
   std::string buffer;
   ASSIGN_OR_RETURN(const std::string_view data,
                    block_bytes(message.strided().data(), layout.bytes(), "cloud.strided.data", buffer));
-  ASSIGN_OR_RETURN(Cloud cloud, with_decode_reason(codec::decode_strided(layout, data, *view, limits, stop)));
-  return DecodedCloud{std::move(cloud), requested_view_rule(*view)};
+  ASSIGN_OR_RETURN(auto decoded, with_decode_reason(codec::decode_strided(layout, data, options, limits, stop)));
+  decoded.view_rule = requested_view_rule(*options.view);
+  return decoded_cloud(std::move(decoded));
 }
 
 absl::StatusOr<v1::Cloud> to_strided_message(const CloudView& cloud, v1::Compression compression) {

@@ -123,12 +123,13 @@ TEST(PointsLeftOut, ByBoxAndRangeInARoomHaveNoInfluence) {
 TEST(PointsLeftOut, NeedNeitherFitTheGridNorBeInFrontOfTheCamera) {
   Cloud cloud = test::unorganized(View::camera());
   test::add_patch(cloud, -0.1F, -0.1F, 1, 0.2F, 0.005F, 0x808080);
-  test::add(cloud, 0, 0, -1, 0);
+  const std::size_t good = cloud.size();
+  for (std::size_t i = 0; i < good / 10; ++i) test::add(cloud, 0, 0, -1, 0);
   test::add(cloud, 1e30F, 0, 1, 0);
   EXPECT_FALSE(segment(cloud, {}).ok());
   const absl::StatusOr<Segmentation> part = segment(cloud, {.crop_min_z = 0.1, .range_max = 10});
   ASSERT_TRUE(part.ok()) << part.status();
-  EXPECT_EQ(part->segmented_points, cloud.size() - 2);
+  EXPECT_EQ(part->segmented_points, good);
   EXPECT_EQ(part->finite_points, cloud.size());
 }
 

@@ -186,10 +186,25 @@ TEST(Voxelization, NamesThePointTooFarAside) {
 
 TEST(Voxelization, TheFirstWrongPointIsNamedWhateverTheThreads) {
   Cloud cloud = test::random_cloud(9000, 0.5F, 1, View::camera());
-  cloud.z[4321] = -1;
-  cloud.z[8000] = -1;
+  for (std::size_t i = 4321; i < 4500; ++i) cloud.z[i] = -1;
   for (const unsigned threads : {1U, 2U, 5U}) {
     EXPECT_THAT(std::string(run(cloud, 0.01, threads).status.message()), HasSubstr("point 4321 "));
+  }
+}
+
+TEST(Voxelization, SinglePointsThatAreNoMeasurementsAreLeftOut) {
+  for (const unsigned threads : {1U, 2U, 5U}) {
+    Cloud cloud = test::random_cloud(9000, 0.5F, 1, View::camera());
+    cloud.z[4321] = -1;
+    cloud.x[8000] = 1e30F;
+    for (std::size_t i = 0; i < 3000; ++i) cloud.x[i] = cloud.y[i] = cloud.z[i] = 0;
+    const auto [status, grid] = run(cloud, 0.01, threads);
+    ASSERT_TRUE(status.ok()) << status;
+    EXPECT_EQ(grid.zero_points, 3000U);
+    EXPECT_EQ(grid.points_beyond_grid, 2U);
+    EXPECT_EQ(grid.finite_points, 6000U);
+    for (const std::size_t i : {0UL, 2999UL, 4321UL, 8000UL}) EXPECT_EQ(grid.slot_of_point[i], 0U) << i;
+    EXPECT_NE(grid.slot_of_point[4322], 0U);
   }
 }
 

@@ -1,21 +1,44 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "segserve/cloud.hpp"
+#include "segserve/codec/attribute.hpp"
+#include "segserve/codec/placement.hpp"
 #include "segserve/codec/warning.hpp"
 
 namespace segserve::codec {
 
-/// The content of a PCD or PLY file: a cloud of N points, and the labels if the file has some.
+/// The coordinates of N points as a file has them: x, y and z.
+using FilePosition = std::array<std::vector<double>, 3>;
+
+/// The content of a file: a cloud of N points, and the labels if the file has some.
 struct LabeledCloud {
-  Cloud cloud;
+  Cloud cloud;                       ///< in meters, near the origin: see `placement`
   std::vector<std::uint32_t> label;  ///< N: the label of each point; empty if the file has no labels
   std::string view_rule;             ///< one line for people that tells which view was chosen, and why
   std::vector<Warning> warnings;     ///< what of the file was not used
+  Placement placement;               ///< from the file's coordinates to those of the cloud
+  /// The coordinates of the file, if they were asked for and are not those of the cloud bit for bit; else empty.
+  FilePosition file_position;
+  std::vector<Attribute> attributes;  ///< the other values of the points, if they were asked for
 };
+
+/// What a file is written from: N points with their labels and other values. It owns nothing.
+struct FileContent {
+  CloudView cloud = {};                        ///< the coordinates are those of the file, unless `position` has them
+  std::span<const std::uint32_t> label = {};   ///< N, or empty if there are no labels
+  std::span<const Attribute> attributes = {};  ///< values of N points each
+  const FilePosition* position = nullptr;      ///< the coordinates in the file, or null
+};
+
+/// A cloud that was read with ReadOptions::keep_everything, with other labels, as it goes into a file again: with the
+/// coordinates, sensor and attributes of the file that it came from. The file and the labels must outlive the result.
+FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label);
 
 }  // namespace segserve::codec

@@ -9,6 +9,8 @@
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
+#include "segserve/codec/read_options.hpp"
 #include "segserve/stop_token.hpp"
 
 // The layout of ROS's sensor_msgs/PointCloud2
@@ -57,18 +59,17 @@ struct StridedCloud {
 };
 
 /// Checks a layout before there is any data. INVALID_ARGUMENT that names the field and the value for a field that ends
-/// beyond point_step, rows that overlap, an x, y or z that is missing or no float, a color of a wrong type, a name with
-/// a meaning (x, y, z, rgb, rgba, r, g, b) that occurs twice, more than 64 fields, or an exceeded limit. Fields with
-/// other names must only lie within the point.
+/// beyond point_step, rows that overlap, an x, y or z that is missing or more than one number, a name with a meaning
+/// that occurs twice, more than 64 fields, or an exceeded limit. Other fields must only lie within the point.
 absl::Status check_layout(const StridedLayout& layout, const DecodeLimits& limits);
 
-/// Decodes a cloud from `data`, which must be layout.bytes() long. x, y and z are meters in the frame of `view`, which
-/// becomes the view of the cloud. The color is that of `rgb`, or else `rgba`, whose 4 bytes are 0xAARRGGBB whatever
-/// their type is, or else that of `r`, `g` and `b`; without these the cloud has no color. INVALID_ARGUMENT as
-/// check_layout says, or if the length of `data` is wrong. CANCELLED and DEADLINE_EXCEEDED as `stop` says. Coordinates
-/// are not checked, and an empty cloud is no error.
-absl::StatusOr<Cloud> decode_strided(const StridedLayout& layout, std::string_view data, const View& view,
-                                     const DecodeLimits& limits, const StopToken& stop = {});
+/// Decodes a cloud from `data`, which must be layout.bytes() long. Coordinates, colors and labels are found by the
+/// names and types that decode_pcd knows. The view is that of the options, else what the points make plain, as for
+/// decode_ply. INVALID_ARGUMENT as check_layout says, or if the length of `data` is wrong. CANCELLED and
+/// DEADLINE_EXCEEDED as `stop` says. Coordinates are not checked, and an empty cloud is no error.
+absl::StatusOr<LabeledCloud> decode_strided(const StridedLayout& layout, std::string_view data,
+                                            const ReadOptions& options, const DecodeLimits& limits,
+                                            const StopToken& stop = {});
 
 /// Copies a cloud into the fields x, y, z and, if it has color, rgb. All are little-endian FLOAT32 without gaps; the
 /// bits of rgb are 0x00RRGGBB. The width of the cloud must be below 2^28, so that a row of up to 16 bytes a point fits

@@ -12,7 +12,12 @@ enum class WarningReason : std::uint8_t {
   kColorNotUsed,  ///< fields that look like color are of no known kind
   kLabelNotUsed,  ///< labels are not whole numbers of 32 bits
   kRowsNotUsed,   ///< rows beyond those that the header promises, or damaged rows that are not needed
-  kOther,         ///< a reason that this version does not know
+  /// points that are no measurement: zeros in a camera frame, 65535 in a depth image, single points beyond the grid
+  kPointsNotUsed,
+  kAttributeNotKept,  ///< values that mean nothing to the segmentation, and will not go out again
+  kTooSparse,         ///< nearly every voxel holds a single point: the unit or the voxel resolution is probably wrong
+  kUnitGuessed,       ///< the unit of the coordinates was guessed, as asked for
+  kOther,             ///< a reason that this version does not know
 };
 
 /// "COLOR_NOT_USED" and so on, for programs.

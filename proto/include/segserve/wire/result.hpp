@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "segserve/cloud.hpp"
+#include "segserve/codec/placement.hpp"
 #include "segserve/codec/warning.hpp"
 #include "segserve/options.hpp"
 #include "segserve/segment.hpp"
@@ -33,9 +34,12 @@ struct Result {
   std::uint32_t supervoxels = 0;  ///< number of supervoxels, also if their array was not asked for
   Method method = Method::kBorder;
   std::optional<std::uint32_t> regions;  ///< Options::regions of the request; unset if the cut is at a threshold
-  View view;                             ///< the view in which the cloud was segmented
+  View view;                             ///< the view in which the cloud was segmented, in the payload's frame
   std::string view_rule;                 ///< one line for people that says why it was this view
-  std::vector<codec::Warning> warnings;  ///< what the payload or file has that was not used
+  std::vector<codec::Warning> warnings;  ///< what the payload or file has that was not used, or is probably wrong
+  /// From the coordinates of the payload or file to those in which it was segmented. The statistics are in those of the
+  /// payload or file.
+  codec::Placement placement;
   CallTimings timings;
   std::string server_version;    ///< version of the program that computed the result, e.g. "0.1.0"
   std::string options_hash;      ///< 16 hexadecimal digits; a hash of all options that decide results

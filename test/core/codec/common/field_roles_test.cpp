@@ -55,7 +55,7 @@ TEST(FieldRoles, ColorsHaveManyNames) {
 TEST(FieldRoles, AColorThatCannotBeUsedIsMentioned) {
   std::vector<Field> fields = fields_of({"x", "y", "z", "rgb", "intensity"});
   fields[3].type = ScalarType::kUint8;
-  fields[3].is_single = false;
+  fields[3].count = 2;
   const Found found = find(fields);
   EXPECT_FALSE(found.roles.has_color());
   ASSERT_EQ(found.warnings.size(), 1U);
@@ -68,7 +68,7 @@ TEST(FieldRoles, AColorThatCannotBeUsedIsMentioned) {
 TEST(FieldRoles, ACoordinateIsOneNumberThatOccursOnce) {
   std::vector<Warning> warnings;
   std::vector<Field> fields = fields_of({"x", "y", "z"});
-  fields[1].is_single = false;
+  fields[1].count = 0;
   EXPECT_THAT(std::string(find_field_roles(fields, warnings).status().message()), HasSubstr("'y' must be one number"));
   EXPECT_FALSE(find_field_roles(fields_of({"x", "y"}), warnings).ok());
   EXPECT_FALSE(find_field_roles(fields_of({"x", "x", "y", "z"}), warnings).ok());

@@ -14,16 +14,17 @@ using testing::ElementsAre;
 template <typename T>
 LabeledCloud with_red(const std::vector<T>& red, ScalarType type, ChannelKind kind = ChannelKind::kIntensity) {
   const std::vector<T> zeros(red.size());
-  FieldRoles roles;
-  roles.position = {0, 0, 0};
-  roles.channels = {{1, 2, 2}};
-  roles.channel_kind = kind;
-  const auto column = [&](std::size_t field) {
+  PointTable table{.fields = {{"x"}, {"r", type}, {"g", type}}, .roles = {}, .width = 0, .height = 1, .column = {}};
+  table.width = static_cast<std::uint32_t>(red.size());
+  table.roles.position = {0, 0, 0};
+  table.roles.channels = {{1, 2, 2}};
+  table.roles.channel_kind = kind;
+  table.column = [&](std::size_t field) {
     const auto bytes = std::as_bytes(std::span(field == 1 ? red : zeros));
     return Column{bytes.data(), sizeof(T), type};
   };
   LabeledCloud out;
-  EXPECT_TRUE(read_columns(roles, column, red.size(), out).ok());
+  EXPECT_TRUE(read_points(table, {}, {}, {}, out).ok());
   return out;
 }
 
@@ -56,15 +57,15 @@ TEST(PointColumns, SphericalHarmonicsOfSplatsAreColors) {
 }
 
 TEST(PointColumns, LabelsThatAreNoneAreLeftOutAndMentioned) {
-  FieldRoles roles;
-  roles.position = {0, 0, 0};
-  roles.label = 1;
+  PointTable table{.fields = {{"x"}, {"label"}}, .roles = {}, .width = 3, .height = 1, .column = {}};
+  table.roles.position = {0, 0, 0};
+  table.roles.label = 1;
   const std::vector<float> values{1, 2.5, 3};
-  const auto column = [&](std::size_t) {
+  table.column = [&](std::size_t) {
     return Column{std::as_bytes(std::span(values)).data(), sizeof(float), ScalarType::kFloat32};
   };
   LabeledCloud out;
-  ASSERT_TRUE(read_columns(roles, column, values.size(), out).ok());
+  ASSERT_TRUE(read_points(table, {}, {}, {}, out).ok());
   EXPECT_TRUE(out.label.empty());
   ASSERT_EQ(out.warnings.size(), 1U);
   EXPECT_EQ(out.warnings[0].reason, WarningReason::kLabelNotUsed);

@@ -51,7 +51,7 @@ TEST_F(CloudFile, ContentNotTheNameTellsTheFormat) {
   const Sample sample = make_sample(1, 3, 1, true, false);
   ASSERT_TRUE(save_cloud(path("cloud.ply"), sample.cloud, {}).ok());
   std::filesystem::rename(path("cloud.ply"), path("cloud.pcd"));
-  const auto read = load_cloud(path("cloud.pcd"), View::world(1, 2, 3));
+  const auto read = load_cloud(path("cloud.pcd"), {.view = View::world(1, 2, 3)});
   ASSERT_TRUE(read.ok()) << read.status();
   expect_same_points(read->cloud, sample.cloud);
   EXPECT_EQ(read->cloud.view, View::world(1, 2, 3));
@@ -75,7 +75,7 @@ TEST_F(CloudFile, FaultsNameTheFile) {
   expect_fault(load_cloud(path("bad.pcd")).status(), path("bad.pcd") + ": PCD header: it ends without a line DATA");
   std::ofstream(path("empty.pcd")).flush();
   expect_fault(load_cloud(path("empty.pcd")).status(), path("empty.pcd") + ": not a PCD file");
-  expect_over_limit(load_cloud(path("bad.pcd"), std::nullopt, {.max_bytes = 5}).status(), "max_bytes",
+  expect_over_limit(load_cloud(path("bad.pcd"), {}, {.max_bytes = 5}).status(), "max_bytes",
                     "it has more bytes than the limit of 5");
   expect_fault(save_cloud(path("cloud.las"), Cloud{}, {}),
                path("cloud.las") + ": the name of a cloud must end in .pcd or .ply");

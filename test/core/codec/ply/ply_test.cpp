@@ -131,12 +131,14 @@ TEST(PlyRead, BinaryOfBothByteOrdersWithListsBeforeAndAmongTheVertices) {
 }
 
 TEST(PlyRead, ViewIsWorldWithoutSensorUnlessGiven) {
-  const std::string file = encode_ply(make_sample(1, 2, 2, false, false).cloud, {}, PlyEncoding::kAscii);
+  const std::string file =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+      "1 2 3\n2 3 4\n";
   const LabeledCloud read = decode(file);
   EXPECT_EQ(read.cloud.view, View::world());
   EXPECT_THAT(read.view_rule, testing::StartsWith("WORLD without a sensor"));
   EXPECT_THAT(read.label, IsEmpty());
-  const auto given = decode_ply(bytes_of(file), DecodeLimits{}, View::camera());
+  const auto given = decode_ply(bytes_of(file), DecodeLimits{}, {.view = View::camera()});
   ASSERT_TRUE(given.ok());
   EXPECT_EQ(given->cloud.view, View::camera());
   EXPECT_EQ(given->view_rule, "CAMERA, as asked for");

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "segserve/codec/placement.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "segserve/codec/labeled_cloud.hpp"
+
+namespace segserve::codec {
+namespace {
+
+/// 1 or -1 for each axis.
+Eigen::Vector3d signs_of(const Placement& placement) { return placement.scale / placement.meters_per_unit(); }
+
+/// Where the cloud's origin is, in meters along the axes of the file.
+Eigen::Vector3d origin_in_meters(const Placement& placement) { return placement.offset * placement.meters_per_unit(); }
+
+/// The limits of one axis of a crop box for the cloud.
+void move_limits(double origin, double sign, std::optional<double>& low, std::optional<double>& high) {
+  if (low) *low = sign * (*low - origin);
+  if (high) *high = sign * (*high - origin);
+  if (sign < 0) std::swap(low, high);
+}
+
+}  // namespace
+
+Options to_cloud(const Placement& placement, Options options) {
+  const Eigen::Vector3d origin = origin_in_meters(placement), signs = signs_of(placement);
+  move_limits(origin.x(), signs.x(), options.crop_min_x, options.crop_max_x);
+  move_limits(origin.y(), signs.y(), options.crop_min_y, options.crop_max_y);
+  move_limits(origin.z(), signs.z(), options.crop_min_z, options.crop_max_z);
+  return options;
+}
+
+View to_cloud(const Placement& placement, View view) {
+  if (!view.sensor) return view;
+  const Eigen::Vector3d moved =
+      signs_of(placement).cwiseProduct(view.sensor->cast<double>() - origin_in_meters(placement));
+  view.sensor = moved.cast<float>();
+  return view;
+}
+
+View to_file(const Placement& placement, View view) {
+  if (!view.sensor) return view;
+  const Eigen::Vector3d moved =
+      signs_of(placement).cwiseProduct(view.sensor->cast<double>()) + origin_in_meters(placement);
+  view.sensor = moved.cast<float>();
+  return view;
+}
+
+void to_file(const Placement& placement, SegmentStatistics& segment) {
+  const Eigen::Vector3d signs = signs_of(placement);
+  segment.centroid = placement.to_file(segment.centroid);
+  segment.box.center = placement.to_file(segment.box.center);
+  segment.box.half_extents /= placement.meters_per_unit();
+  segment.box.axes = (signs.asDiagonal() * segment.box.axes).eval();
+  if (segment.normal) segment.normal = signs.cwiseProduct(*segment.normal).eval();
+}
+
+void to_file(const Placement& placement, Segmentation& segmentation) {
+  if (placement.is_identity()) return;
+  for (SegmentStatistics& segment : segmentation.statistics) to_file(placement, segment);
+  const Eigen::Vector3d signs = signs_of(placement);
+  for (Eigen::Vector3d& normal : segmentation.supervoxel_normals) normal = signs.cwiseProduct(normal).eval();
+  if (!segmentation.support_plane) return;
+  SupportPlane& plane = *segmentation.support_plane;
+  plane.normal = signs.cwiseProduct(plane.normal).eval();
+  plane.offset = plane.offset / placement.meters_per_unit() + plane.normal.dot(placement.offset);
+}
+
+FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label) {
+  FileContent content{.cloud = file.cloud, .label = label, .attributes = file.attributes};
+  content.cloud.view = to_file(file.placement, file.cloud.view);
+  if (!file.file_position[0].empty()) content.position = &file.file_position;
+  return content;
+}
+
+}  // namespace segserve::codec

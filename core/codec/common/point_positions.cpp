@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/common/point_positions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "core/base/status_macros.hpp"
+#include "core/codec/common/unit_guess.hpp"
+
+namespace segserve::codec {
+namespace {
+
+/// A cloud is moved if its median is farther from 0 than this along an axis, in meters. Floats are exact to 0.03 mm
+/// there.
+constexpr double kFar = 512;
+
+using Planes = std::array<std::vector<float>*, 3>;
+
+/// Sets the plane to scale * (value - offset).
+void read_axis(const Column& column, double scale, double offset, StopCheck& check, std::vector<float>& plane) {
+  float* const out = plane.data();
+  if (scale == 1 && offset == 0) {
+    for_each_value(column, plane.size(), check,
+                   [out](std::size_t i, auto value) { out[i] = static_cast<float>(value); });
+  } else {
+    for_each_value(column, plane.size(), check, [out, scale, offset](std::size_t i, auto value) {
+      out[i] = static_cast<float>(scale * (static_cast<double>(value) - offset));
+    });
+  }
+}
+
+/// Whether any coordinate of the plane is finite and far from 0.
+bool reaches_far(const std::vector<float>& plane, StopCheck& check) {
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  bool far = false;
+  check.for_each(0, plane.size(), [&](std::size_t i) {
+    const float magnitude = std::abs(plane[i]);
+    far |= magnitude > static_cast<float>(kFar) && magnitude <= kLargest;
+  });
+  return far;
+}
+
+/// The median of the values that are finite; 0 if there are none. It does not depend on the order of the points.
+double median(const Column& column, std::size_t points, StopCheck& check) {
+  std::vector<double> values;
+  values.reserve(points);
+  for_each_value(column, points, check, [&values](std::size_t, auto value) {
+    if (std::isfinite(static_cast<double>(value))) values.push_back(static_cast<double>(value));
+  });
+  if (values.empty() || check.after(8 * values.size())) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// By how much the axes are to be moved, in the file's unit: not at all unless the cloud is far away along one of them.
+Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, const Planes& planes, StopCheck& check) {
+  bool is_candidate = false;
+  for (const std::vector<float>* plane : planes) is_candidate = is_candidate || reaches_far(*plane, check);
+  if (!is_candidate) return Eigen::Vector3d::Zero();
+  const double step = std::round(1 / scale);
+  Eigen::Vector3d offset;
+  bool is_far = false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double middle = median(columns[axis], planes[axis]->size(), check);
+    is_far = is_far || std::abs(middle) * scale > kFar;
+    offset[static_cast<Eigen::Index>(axis)] = std::round(middle / step) * step;
+  }
+  return is_far ? offset : Eigen::Vector3d::Zero();
+}
+
+void keep_position(const std::array<Column, 3>& columns, StopCheck& check, LabeledCloud& out) {
+  const bool is_kept_by_cloud = out.placement.is_identity() && std::ranges::all_of(columns, [](const Column& column) {
+                                  return column.type == ScalarType::kFloat32;
+                                });
+  if (is_kept_by_cloud) return;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    std::vector<double>& position = out.file_position[axis];
+    position.resize(out.cloud.size());
+    for_each_value(columns[axis], position.size(), check,
+                   [&position](std::size_t i, auto value) { position[i] = static_cast<double>(value); });
+  }
+}
+
+/// Makes points at the origin, where the sensor is, points that are not finite.
+void drop_zeros(StopCheck& check, LabeledCloud& out) {
+  Cloud& cloud = out.cloud;
+  std::size_t zeros = 0;
+  check.for_each(0, cloud.size(), [&](std::size_t i) {
+    if (cloud.x[i] != 0 || cloud.y[i] != 0 || cloud.z[i] != 0) return;
+    ++zeros;
+    cloud.x[i] = cloud.y[i] = cloud.z[i] = std::numeric_limits<float>::quiet_NaN();
+  });
+  if (zeros == 0) return;
+  out.warnings.push_back({WarningReason::kPointsNotUsed,
+                          fmt::format("{} points at (0, 0, 0), where the sensor is, are no measurements", zeros)});
+}
+
+void reverse(std::vector<float>& plane, StopCheck& check) {
+  check.for_each(0, plane.size(), [&](std::size_t i) { plane[i] = -plane[i]; });
+}
+
+}  // namespace
+
+absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence evidence, const ReadOptions& options,
+                            StopCheck& check, LabeledCloud& out) {
+  Cloud& cloud = out.cloud;
+  const Planes planes{&cloud.x, &cloud.y, &cloud.z};
+  const double scale = options.unit == LengthUnit::kAuto ? guess_unit(columns, cloud.size(), check, out.warnings)
+                                                         : meters_per_unit(options.unit);
+  for (std::size_t axis = 0; axis < 3; ++axis) read_axis(columns[axis], scale, 0, check, *planes[axis]);
+  evidence.given = options.view;
+  ASSIGN_OR_RETURN(ViewChoice choice, choose_view(cloud, evidence, check));
+
+  Placement& placement = out.placement;
+  placement.scale.setConstant(scale);
+  if (choice.y_and_z_are_reversed) {
+    placement.scale = {scale, -scale, -scale};
+    reverse(cloud.y, check);
+    reverse(cloud.z, check);
+  }
+  if (choice.kind == ViewKind::kWorld) {
+    placement.offset = offset_of(columns, scale, planes, check);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double offset = placement.offset[static_cast<Eigen::Index>(axis)];
+      if (offset != 0) read_axis(columns[axis], scale, offset, check, *planes[axis]);
+    }
+  }
+  if (choice.zeros_are_no_points) drop_zeros(check, out);
+  if (options.keep_everything) keep_position(columns, check, out);
+  cloud.view = {choice.kind, std::nullopt};
+  if (choice.sensor) {
+    const Eigen::Vector3d sensor = *choice.sensor - scale * placement.offset;
+    cloud.view.sensor = sensor.cast<float>();
+  }
+  out.view_rule = std::move(choice.rule);
+  return check.status();
+}
+
+}  // namespace segserve::codec

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/view/sensor_geometry.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace segserve::codec {
+namespace {
+
+/// With fewer pairs or points, geometry says nothing.
+constexpr std::size_t kFewest = 32;
+
+bool is_origin(const CloudView& cloud, std::size_t i) { return cloud.x[i] == 0 && cloud.y[i] == 0 && cloud.z[i] == 0; }
+
+bool is_point(const CloudView& cloud, std::size_t i) {
+  return is_finite(cloud.x[i], cloud.y[i], cloud.z[i]) && !is_origin(cloud, i);
+}
+
+/// x/|z| or y/|z|, the position on the plane of an image.
+float on_image(const CloudView& cloud, std::size_t i, int axis) {
+  return (axis == 0 ? cloud.x[i] : cloud.y[i]) / std::abs(cloud.z[i]);
+}
+
+/// The tangent of the elevation above the plane z = 0, seen from the origin.
+float elevation(const CloudView& cloud, std::size_t i) {
+  return cloud.z[i] / std::sqrt(cloud.x[i] * cloud.x[i] + cloud.y[i] * cloud.y[i]);
+}
+
+/// The lines of an organized cloud: its rows or its columns.
+struct Lines {
+  std::size_t count, length;  ///< lines, and points of each
+  std::size_t line_step, point_step;
+
+  static Lines rows(const CloudView& cloud) { return {cloud.height, cloud.width, cloud.width, 1}; }
+  static Lines columns(const CloudView& cloud) { return {cloud.width, cloud.height, 1, cloud.width}; }
+};
+
+/// Which share of the pairs of neighboring points along some of the lines have ascending values on the image.
+struct Ascent {
+  std::size_t pairs = 0, ascending = 0;
+
+  bool is_monotone() const {
+    constexpr double kShare = 0.95;
+    const auto share = static_cast<double>(ascending) / static_cast<double>(pairs);
+    return std::max(share, 1 - share) >= kShare;
+  }
+};
+
+Ascent ascent(const CloudView& cloud, const Lines& lines, int axis, StopCheck& check) {
+  constexpr std::size_t kLines = 32;
+  Ascent sum;
+  const std::size_t every = std::max<std::size_t>(1, lines.count / kLines);
+  for (std::size_t line = every / 2; line < lines.count && !check.after(lines.length); line += every) {
+    bool has_last = false;
+    float last = 0;
+    for (std::size_t k = 0; k < lines.length; ++k) {
+      const std::size_t i = line * lines.line_step + k * lines.point_step;
+      if (!is_point(cloud, i) || cloud.z[i] == 0) continue;
+      const float value = on_image(cloud, i, axis);
+      if (has_last && value != last) {
+        ++sum.pairs;
+        sum.ascending += value > last ? 1 : 0;
+      }
+      last = value;
+      has_last = true;
+    }
+  }
+  return sum;
+}
+
+Agreement are_monotone(const Ascent& a, const Ascent& b) {
+  if (a.pairs < kFewest || b.pairs < kFewest) return Agreement::kUnknown;
+  return a.is_monotone() && b.is_monotone() ? Agreement::kYes : Agreement::kNo;
+}
+
+/// Sums for the variance of values.
+struct Variance {
+  std::size_t count = 0;
+  double sum = 0, squares = 0;
+
+  void add(double value) {
+    ++count;
+    sum += value;
+    squares += value * value;
+  }
+  /// The sum of the squared differences from the mean.
+  double spread() const { return count == 0 ? 0 : std::max(0.0, squares - sum * sum / static_cast<double>(count)); }
+};
+
+/// Whether the elevations within the lines differ much less than those of all points.
+bool are_rings(const CloudView& cloud, const Lines& lines, StopCheck& check) {
+  constexpr double kShare = 0.01;
+  constexpr float kSteepest = 10;  // Straight above and below, elevations say nothing.
+  Variance all;
+  double within = 0;
+  for (std::size_t line = 0; line < lines.count && !check.after(lines.length); ++line) {
+    Variance ring;
+    for (std::size_t k = 0; k < lines.length; ++k) {
+      const std::size_t i = line * lines.line_step + k * lines.point_step;
+      if (!is_point(cloud, i)) continue;
+      const float value = elevation(cloud, i);
+      if (!(std::abs(value) < kSteepest)) continue;
+      ring.add(value);
+      all.add(value);
+    }
+    within += ring.spread();
+  }
+  return all.count >= kFewest && all.spread() > 0 && within <= kShare * all.spread();
+}
+
+/// Values that are (nearly) the same.
+struct Cluster {
+  float first = 0;
+  std::size_t size = 0;
+};
+
+/// Divides values, which it sorts, into clusters that are much narrower than the gaps between them. Empty if there are
+/// no such clusters: then the values fill their range.
+std::vector<Cluster> find_clusters(std::vector<float>& values, StopCheck& check) {
+  constexpr std::size_t kMostClusters = 8192;
+  constexpr float kNarrow = 0.02F;  // of a mean gap
+  if (values.size() < kFewest || check.after(16 * values.size())) return {};
+  std::ranges::sort(values);
+  const float range = values.back() - values.front();
+  const auto most = static_cast<float>(std::min(values.size(), kMostClusters));
+  std::vector<Cluster> clusters{{values.front(), 1}};
+  float inside = 0;
+  for (std::size_t i = 1; i < values.size(); ++i) {
+    const float step = values[i] - values[i - 1];
+    if (step * most > kNarrow * range) {
+      clusters.push_back({values[i], 1});
+    } else {
+      inside += step;
+      ++clusters.back().size;
+    }
+  }
+  if (inside > kNarrow * range) return {};
+  return clusters;
+}
+
+/// Whether there are some clusters, and nearly all values lie in those of at least `least_size`.
+bool are_filled(const std::vector<Cluster>& clusters, std::size_t least_size, double share) {
+  constexpr std::size_t kFewestClusters = 4;
+  std::size_t all = 0, filled = 0;
+  for (const Cluster& cluster : clusters) {
+    all += cluster.size;
+    filled += cluster.size >= least_size ? cluster.size : 0;
+  }
+  return clusters.size() >= kFewestClusters && static_cast<double>(filled) >= share * static_cast<double>(all);
+}
+
+/// Whether the gaps between clusters are multiples of the smallest gap that is common.
+bool are_equidistant(const std::vector<Cluster>& clusters) {
+  constexpr double kTolerance = 0.1, kShare = 0.95;
+  std::vector<float> gaps;
+  for (std::size_t i = 1; i < clusters.size(); ++i) gaps.push_back(clusters[i].first - clusters[i - 1].first);
+  std::ranges::sort(gaps);
+  const double pitch = gaps[gaps.size() / 10];
+  const auto is_multiple = [pitch](float gap) {
+    const double ratio = gap / pitch;
+    return std::abs(ratio - std::round(ratio)) <= kTolerance;
+  };
+  const auto multiples = static_cast<double>(std::ranges::count_if(gaps, is_multiple));
+  return multiples >= kShare * static_cast<double>(gaps.size());
+}
+
+/// A number that depends on the position of a point alone, for samples that do not depend on the order of points. It is
+/// the finalizer of MurmurHash3 (A. Appleby, 2008).
+std::uint32_t hash_of(const CloudView& cloud, std::size_t i) {
+  std::uint32_t h = std::bit_cast<std::uint32_t>(cloud.x[i]) * 0x9e3779b1U;
+  h = (h ^ std::bit_cast<std::uint32_t>(cloud.y[i])) * 0x9e3779b1U;
+  h ^= std::bit_cast<std::uint32_t>(cloud.z[i]);
+  h = (h ^ (h >> 16U)) * 0x85ebca6bU;
+  h = (h ^ (h >> 13U)) * 0xc2b2ae35U;
+  return h ^ (h >> 16U);
+}
+
+/// The values of a sample of the points, as clusters.
+template <typename Value>
+std::vector<Cluster> clusters_of(const CloudView& cloud, StopCheck& check, Value value) {
+  constexpr std::size_t kSample = 16384;
+  const auto every = static_cast<std::uint32_t>(std::max<std::size_t>(1, cloud.size() / kSample));
+  std::vector<float> values;
+  check.for_each(0, cloud.size(), [&](std::size_t i) {
+    if (hash_of(cloud, i) % every != 0 || !is_point(cloud, i)) return;
+    if (const float v = value(i); std::isfinite(v)) values.push_back(v);
+  });
+  return find_clusters(values, check);
+}
+
+bool has_pixel_values(const CloudView& cloud, int axis, StopCheck& check) {
+  constexpr std::size_t kLeastSize = 4;
+  constexpr double kShare = 0.9;
+  const auto clusters = clusters_of(cloud, check, [&](std::size_t i) { return on_image(cloud, i, axis); });
+  return are_filled(clusters, kLeastSize, kShare) && are_equidistant(clusters);
+}
+
+}  // namespace
+
+Extent extent_of(const CloudView& cloud, StopCheck& check) {
+  Extent extent;
+  check.for_each(0, cloud.size(), [&](std::size_t i) {
+    const std::array<float, 3> p{cloud.x[i], cloud.y[i], cloud.z[i]};
+    if (!is_finite(p[0], p[1], p[2])) return;
+    if (is_origin(cloud, i)) {
+      ++extent.zeros;
+      return;
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      extent.low[axis] = extent.points == 0 ? p[axis] : std::min(extent.low[axis], p[axis]);
+      extent.high[axis] = extent.points == 0 ? p[axis] : std::max(extent.high[axis], p[axis]);
+    }
+    ++extent.points;
+    extent.in_front += p[2] > 0 ? 1U : 0U;
+    extent.behind += p[2] < 0 ? 1U : 0U;
+  });
+  return extent;
+}
+
+bool is_behind_origin(const CloudView& cloud, StopCheck& check) {
+  std::size_t points = 0, behind = 0;
+  const std::size_t most_in_front = cloud.size() / 100;
+  for (std::size_t i = 0; i < cloud.size() && points - behind <= most_in_front && !check.after(1); ++i) {
+    if (!is_point(cloud, i)) continue;
+    ++points;
+    behind += cloud.z[i] < 0 ? 1U : 0U;
+  }
+  return points > 0 && points - behind <= points / 100;
+}
+
+Agreement follows_pixels(const CloudView& cloud, StopCheck& check) {
+  const Lines rows = Lines::rows(cloud), columns = Lines::columns(cloud);
+  const Agreement upright = are_monotone(ascent(cloud, rows, 0, check), ascent(cloud, columns, 1, check));
+  if (upright != Agreement::kNo) return upright;
+  return are_monotone(ascent(cloud, columns, 0, check), ascent(cloud, rows, 1, check));
+}
+
+bool follows_rings(const CloudView& cloud, StopCheck& check) {
+  return are_rings(cloud, Lines::rows(cloud), check) || are_rings(cloud, Lines::columns(cloud), check);
+}
+
+bool has_pixel_values(const CloudView& cloud, const Extent& extent, StopCheck& check) {
+  // A regular grid on a plane of constant z has such values, too.
+  constexpr float kFlat = 0.95F;
+  const float near = std::min(std::abs(extent.low[2]), std::abs(extent.high[2]));
+  const float far = std::max(std::abs(extent.low[2]), std::abs(extent.high[2]));
+  return near < kFlat * far && has_pixel_values(cloud, 0, check) && has_pixel_values(cloud, 1, check);
+}
+
+bool has_ring_values(const CloudView& cloud, StopCheck& check) {
+  constexpr std::size_t kLeastSize = 24;
+  constexpr double kShare = 0.95;
+  return are_filled(clusters_of(cloud, check, [&](std::size_t i) { return elevation(cloud, i); }), kLeastSize, kShare);
+}
+
+bool has_horizontal_plane(const CloudView& cloud, const Extent& extent, StopCheck& check) {
+  constexpr std::size_t kBins = 100, kShare = 5;
+  const float low = extent.low[2], range = extent.high[2] - low;
+  if (!(range > 0)) return true;
+  std::array<std::size_t, kBins + 1> bins{};
+  check.for_each(0, cloud.size(), [&](std::size_t i) {
+    if (!is_point(cloud, i)) return;
+    const float bin = (cloud.z[i] - low) / range * static_cast<float>(kBins);
+    if (bin >= 0 && bin <= static_cast<float>(kBins)) ++bins[static_cast<std::size_t>(bin)];
+  });
+  std::size_t most = 0;
+  for (std::size_t bin = 0; bin < kBins; ++bin) most = std::max(most, bins[bin] + bins[bin + 1]);
+  return most * kShare >= extent.points;
+}
+
+}  // namespace segserve::codec

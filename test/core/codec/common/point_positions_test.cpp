@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/common/point_positions.hpp"
+
+#include <Eigen/Dense>
+#include <span>
+#include <vector>
+
+#include "gmock/gmock.h"
+#include "segserve/codec/unit_conversion.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+template <typename T>
+LabeledCloud read(const std::array<std::vector<T>, 3>& axes, ScalarType type, const ReadOptions& options = {}) {
+  LabeledCloud out;
+  out.cloud.resize(axes[0].size(), false);
+  out.cloud.width = static_cast<std::uint32_t>(axes[0].size());
+  out.cloud.height = 1;
+  std::array<Column, 3> columns;
+  for (std::size_t i = 0; i < 3; ++i) columns[i] = {std::as_bytes(std::span(axes[i])).data(), sizeof(T), type};
+  StopCheck check{StopToken()};
+  EXPECT_TRUE(read_positions(columns, {}, options, check, out).ok());
+  return out;
+}
+
+TEST(PointPositions, CoordinatesFarAwayStayExact) {
+  const std::array<std::vector<double>, 3> utm{
+      std::vector{389425.001, 389425.002, 389425.0}, {5819321.0, 5819321.5, 5819320.75}, {112.0, 112.25, 112.0}};
+  const LabeledCloud read_cloud = read(utm, ScalarType::kFloat64, {.keep_everything = true});
+  EXPECT_EQ(read_cloud.placement.offset, Eigen::Vector3d(389425, 5819321, 112));
+  EXPECT_THAT(read_cloud.cloud.x, ElementsAre(0.001F, 0.002F, 0.0F));
+  EXPECT_THAT(read_cloud.cloud.y, ElementsAre(0.0F, 0.5F, -0.25F));
+  EXPECT_EQ(read_cloud.file_position[0], utm[0]);
+  EXPECT_EQ(read_cloud.placement.to_file({0, 0.5, 0.25}), Eigen::Vector3d(389425, 5819321.5, 112.25));
+}
+
+TEST(PointPositions, AFewPointsFarAwayMoveNothing) {
+  const LabeledCloud near = read<float>({{{0, 1, 2, 1e9F}, {0, 1, 2, 0}, {-1, 0, 1, 0}}}, ScalarType::kFloat32);
+  EXPECT_TRUE(near.placement.is_identity());
+  EXPECT_EQ(near.cloud.x[3], 1e9F);
+}
+
+TEST(PointPositions, UnitsBecomeMeters) {
+  const std::array<std::vector<std::int16_t>, 3> axes{std::vector<std::int16_t>{1000, 2000}, {0, 500}, {-250, 0}};
+  const LabeledCloud millimeters =
+      read(axes, ScalarType::kInt16, {.unit = LengthUnit::kMillimeter, .keep_everything = true});
+  EXPECT_THAT(millimeters.cloud.x, ElementsAre(1.0F, 2.0F));
+  EXPECT_THAT(millimeters.cloud.z, ElementsAre(-0.25F, 0.0F));
+  EXPECT_THAT(millimeters.file_position[0], ElementsAre(1000.0, 2000.0));
+  EXPECT_FLOAT_EQ(read(axes, ScalarType::kInt16, {.unit = LengthUnit::kInch}).cloud.x[0], 25.4F);
+  EXPECT_FLOAT_EQ(read(axes, ScalarType::kInt16, {.unit = LengthUnit::kFoot}).placement.meters_per_unit(), 0.3048F);
+  EXPECT_TRUE(read<float>({{{1}, {2}, {3}}}, ScalarType::kFloat32, {.keep_everything = true}).file_position[0].empty());
+}
+
+TEST(PointPositions, TheSpacingTellsTheUnit) {
+  std::array<std::vector<float>, 3> grid;
+  for (int i = 0; i < 400; ++i) {
+    grid[0].push_back(static_cast<float>(i % 20) * 5.5F);
+    grid[1].push_back(static_cast<float>(i / 20) * 5.5F);
+    grid[2].push_back(-10.5F);
+  }
+  const LabeledCloud millimeters = read(grid, ScalarType::kFloat32, {.unit = LengthUnit::kAuto});
+  EXPECT_EQ(millimeters.placement.meters_per_unit(), 0.001);
+  ASSERT_EQ(millimeters.warnings.size(), 1U);
+  EXPECT_EQ(millimeters.warnings[0].reason, WarningReason::kUnitGuessed);
+  EXPECT_THAT(millimeters.warnings[0].message,
+              HasSubstr("millimeters, because neighboring points are 5.5 units apart"));
+  for (auto& axis : grid) {
+    for (float& v : axis) v *= 0.001F;
+  }
+  EXPECT_EQ(read(grid, ScalarType::kFloat32, {.unit = LengthUnit::kAuto}).placement.meters_per_unit(), 1);
+}
+
+TEST(PointPositions, ACloudInAnotherUnitIsConverted) {
+  Cloud cloud;
+  cloud.x = {100, 200}, cloud.y = {0, 0}, cloud.z = {50, 60}, cloud.rgb = {1, 2};
+  cloud.width = 2, cloud.height = 1;
+  const auto meters = to_meters(cloud, {.view = View::world(0, 0, 1), .unit = LengthUnit::kCentimeter});
+  ASSERT_TRUE(meters.ok());
+  EXPECT_THAT(meters->cloud.x, ElementsAre(1.0F, 2.0F));
+  EXPECT_EQ(meters->cloud.view, View::world(0, 0, 1)) << "lengths outside the payload are in meters";
+  EXPECT_THAT(meters->cloud.rgb, ElementsAre(1, 2));
+}
+
+TEST(Placement, CarriesOptionsToTheCloudAndResultsBack) {
+  const Placement placement{{0.001, -0.001, -0.001}, {1000, 0, 2000}};
+  Options options;
+  options.crop_min_y = -0.5, options.crop_max_y = 0.25, options.crop_min_x = 1.5;
+  const Options moved = to_cloud(placement, options);
+  EXPECT_DOUBLE_EQ(*moved.crop_min_y, -0.25);
+  EXPECT_DOUBLE_EQ(*moved.crop_max_y, 0.5);
+  EXPECT_DOUBLE_EQ(*moved.crop_min_x, 0.5);
+  EXPECT_FALSE(moved.crop_max_x);
+
+  Segmentation segmentation;
+  segmentation.statistics.resize(1);
+  SegmentStatistics& segment = segmentation.statistics[0];
+  segment.centroid = {1, 2, 3};
+  segment.box.half_extents = {0.1, 0.2, 0.3};
+  segment.normal = Eigen::Vector3d(0, 0.6, 0.8);
+  segmentation.support_plane = SupportPlane{{0, 0, 1}, 0.5, 10};
+  to_file(placement, segmentation);
+  EXPECT_TRUE(segment.centroid.isApprox(Eigen::Vector3d(2000, -2000, -1000)));
+  EXPECT_TRUE(segment.box.half_extents.isApprox(Eigen::Vector3d(100, 200, 300)));
+  EXPECT_NEAR(segment.box.axes.determinant(), 1, 1e-12);
+  EXPECT_EQ(segment.normal, Eigen::Vector3d(0, -0.6, -0.8));
+  const SupportPlane& plane = *segmentation.support_plane;
+  const Eigen::Vector3d on_plane = placement.to_file({7, 8, 0.5});
+  EXPECT_NEAR(plane.normal.dot(on_plane), plane.offset, 1e-9);
+
+  const View view = View::world(0, 0, 1);
+  EXPECT_TRUE(to_cloud(placement, to_file(placement, view)).sensor->isApprox(*view.sensor));
+}
+
+}  // namespace
+}  // namespace segserve::codec

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/view/view_choice.hpp"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "gmock/gmock.h"
+
+namespace segserve::codec {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+void add(Cloud& cloud, float x, float y, float z) {
+  cloud.x.push_back(x);
+  cloud.y.push_back(y);
+  cloud.z.push_back(z);
+}
+
+/// A camera's frame of 40 x 30 pixels that sees a slope with a step; `sign` -1 reverses y and z.
+Cloud frame(float sign = 1) {
+  Cloud cloud;
+  cloud.width = 40;
+  cloud.height = 30;
+  for (int v = 0; v < 30; ++v) {
+    for (int u = 0; u < 40; ++u) {
+      const float z = 1 + 0.02F * static_cast<float>(v) + (u > 20 ? 0.3F : 0);
+      const float x = (static_cast<float>(u) - 19.5F) / 35 * z, y = (static_cast<float>(v) - 14.5F) / 35 * z;
+      add(cloud, x, sign * y, sign * z);
+    }
+  }
+  return cloud;
+}
+
+/// The same points in another order, without rows.
+Cloud shuffled(Cloud cloud) {
+  std::mt19937 random(5);
+  for (std::size_t i = cloud.x.size(); i > 1; --i) {
+    const std::size_t k = random() % i;
+    std::swap(cloud.x[i - 1], cloud.x[k]);
+    std::swap(cloud.y[i - 1], cloud.y[k]);
+    std::swap(cloud.z[i - 1], cloud.z[k]);
+  }
+  cloud.width = static_cast<std::uint32_t>(cloud.x.size());
+  cloud.height = 1;
+  return cloud;
+}
+
+/// A sweep of 8 rings x 60 in a room; ring by ring.
+Cloud sweep() {
+  Cloud cloud;
+  cloud.width = 60;
+  cloud.height = 8;
+  for (int ring = 0; ring < 8; ++ring) {
+    const float elevation = -0.3F + 0.07F * static_cast<float>(ring);
+    for (int step = 0; step < 60; ++step) {
+      const float angle = 0.104719755F * static_cast<float>(step);
+      const float range = 3 + std::sin(3 * angle);
+      add(cloud, range * std::cos(angle), range * std::sin(angle), range * elevation);
+    }
+  }
+  return cloud;
+}
+
+/// A horizontal grid of points at this height, centered on (x, y), with bumps.
+Cloud table(float x, float y, float z) {
+  Cloud cloud;
+  for (int i = 0; i < 30; ++i) {
+    for (int k = 0; k < 30; ++k) {
+      const float bump = i > 20 && k > 20 ? 0.1F + 0.001F * static_cast<float>(i) : 0;
+      add(cloud, x + 0.03F * static_cast<float>(i - 15), y + 0.03F * static_cast<float>(k - 15), z + bump);
+    }
+  }
+  cloud.width = 900;
+  cloud.height = 1;
+  return cloud;
+}
+
+ViewChoice choose(const Cloud& cloud, const ViewEvidence& evidence = {}) {
+  StopCheck check{StopToken()};
+  return choose_view(cloud, evidence, check).value();
+}
+
+ViewEvidence viewpoint(double x, double y, double z) {
+  return {.position = Eigen::Vector3d(x, y, z), .entry = "VIEWPOINT", .has_entry = true};
+}
+
+bool is_camera(const ViewChoice& choice) { return choice.kind == ViewKind::kCamera; }
+
+TEST(ViewChoice, RowsOfPixelsAreACamera) {
+  EXPECT_TRUE(is_camera(choose(frame(), viewpoint(0, 0, 0))));
+  EXPECT_TRUE(is_camera(choose(frame())));
+  EXPECT_TRUE(is_camera(choose(frame(), viewpoint(0.1, 0, 0.5)))) << "pixels are surer than a number in a header";
+  EXPECT_FALSE(choose(frame()).y_and_z_are_reversed);
+}
+
+TEST(ViewChoice, AYThatPointsUpIsACameraToo) {
+  const ViewChoice choice = choose(frame(-1), viewpoint(0, 0, 0));
+  EXPECT_TRUE(is_camera(choice));
+  EXPECT_TRUE(choice.y_and_z_are_reversed);
+  EXPECT_THAT(choice.rule, HasSubstr("y points up"));
+  EXPECT_TRUE(choose(shuffled(frame(-1))).y_and_z_are_reversed);
+}
+
+TEST(ViewChoice, ZerosAndNanDoNotMatter) {
+  Cloud cloud = frame();
+  for (std::size_t i = 0; i < cloud.x.size(); i += 3) cloud.x[i] = cloud.y[i] = cloud.z[i] = i % 2 == 0 ? 0 : kNan;
+  EXPECT_TRUE(is_camera(choose(cloud, viewpoint(0, 0, 0))));
+}
+
+TEST(ViewChoice, PixelsWithoutRowsAreACamera) {
+  EXPECT_TRUE(is_camera(choose(shuffled(frame()))));
+  EXPECT_TRUE(is_camera(choose(shuffled(frame()), viewpoint(0, 0, 0))));
+}
+
+TEST(ViewChoice, AnOrganizedCloudThatWasMovedIsNoCamera) {
+  Cloud cloud = frame();
+  for (std::size_t i = 0; i < cloud.x.size(); ++i) {  // z up; the camera is 1 m above the floor and looks along y
+    const float x = cloud.x[i], y = cloud.y[i], z = cloud.z[i];
+    cloud.x[i] = x, cloud.y[i] = z - 2, cloud.z[i] = 1 - y;
+  }
+  const ViewChoice choice = choose(cloud, viewpoint(0, 0, 0));
+  EXPECT_EQ(choice.kind, ViewKind::kWorld);
+  EXPECT_FALSE(choice.sensor);
+  EXPECT_EQ(choose(cloud, viewpoint(0, -2, 1)).sensor, Eigen::Vector3d(0, -2, 1));
+}
+
+TEST(ViewChoice, SweepsOfALidarAreSeenFromTheOrigin) {
+  for (const Cloud& cloud : {sweep(), shuffled(sweep())}) {
+    const ViewChoice choice = choose(cloud, viewpoint(0, 0, 0));
+    EXPECT_EQ(choice.kind, ViewKind::kWorld);
+    EXPECT_EQ(choice.sensor, Eigen::Vector3d(0, 0, 0)) << choice.rule;
+    EXPECT_TRUE(choice.zeros_are_no_points);
+    EXPECT_EQ(choose(cloud).sensor, Eigen::Vector3d(0, 0, 0)) << "whatever the format";
+  }
+}
+
+TEST(ViewChoice, ADefaultPositionIsBelievedOnlyOutside) {
+  EXPECT_FALSE(choose(table(0, 0, -0.05F), viewpoint(0, 0, 0)).sensor) << "inside the box";
+  EXPECT_FALSE(choose(table(0, 0, 0.7F), viewpoint(0, 0, 0)).sensor) << "below the table";
+  EXPECT_EQ(choose(table(0, 3, -1), viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0)) << "above, aside";
+  EXPECT_FALSE(choose(table(0, 3, -1)).sensor) << "a format that has no entry for it";
+  EXPECT_EQ(choose(table(0, 0, 0), viewpoint(0, 0, 2)).sensor, Eigen::Vector3d(0, 0, 2));
+}
+
+TEST(ViewChoice, WhatIsGivenOrStatedWins) {
+  ViewEvidence evidence = viewpoint(0, 0, 2);
+  evidence.stated = View::world();
+  EXPECT_FALSE(choose(frame(), evidence).sensor);
+  EXPECT_EQ(choose(frame(), evidence).rule, "WORLD, as the file says");
+  evidence.given = View::camera();
+  EXPECT_EQ(choose(frame(), evidence).rule, "CAMERA, as asked for");
+  EXPECT_TRUE(choose(frame(-1), evidence).y_and_z_are_reversed);
+}
+
+TEST(ViewChoice, DoesNotDependOnTheOrderOfPoints) {
+  const ViewChoice one = choose(shuffled(frame())), other = choose(shuffled(shuffled(frame())));
+  EXPECT_EQ(one.rule, other.rule);
+}
+
+TEST(ViewChoice, HearsToStop) {
+  const std::atomic<bool> cancelled{true};
+  StopCheck check{StopToken(&cancelled)};
+  Cloud many = shuffled(frame());
+  for (int i = 0; i < 4; ++i) {
+    many.x.insert(many.x.end(), many.x.begin(), many.x.end());
+    many.y.insert(many.y.end(), many.y.begin(), many.y.end());
+    many.z.insert(many.z.end(), many.z.begin(), many.z.end());
+  }
+  many.width = static_cast<std::uint32_t>(many.x.size());
+  EXPECT_EQ(choose_view(many, {}, check).status().code(), absl::StatusCode::kCancelled);
+}
+
+TEST(ViewStatement, ReadsBackWhatItWrote) {
+  for (const View& view : {View::camera(), View::world(), View::world(0.1F, -2, 1e6F)}) {
+    EXPECT_EQ(stated_view(view_statement(view)), view) << view_statement(view);
+  }
+  for (const char* other : {"", "written by segserve", "segserve view", "segserve view world 1 2", "segserve view moon",
+                            "segserve view world 1 2 nan", "segserve view camera 1"}) {
+    EXPECT_FALSE(stated_view(other)) << other;
+  }
+}
+
+}  // namespace
+}  // namespace segserve::codec
