@@ -81,7 +81,8 @@ absl::StatusOr<codec::LabeledCloud> decode(const Payload& payload, const StopTok
                              .warnings = std::move(decoded.warnings),
                              .placement = decoded.placement,
                              .file_position = {},
-                             .attributes = {}};
+                             .attributes = {},
+                             .format = {}};
 }
 
 }  // namespace segserve::client

@@ -3,9 +3,12 @@
 #include <string>
 
 #include "client/segctl/command.hpp"
+#include "client/segctl/file_info.hpp"
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/server_flags.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "client/segctl/unit_flag.hpp"
+#include "client/segctl/view_flag.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -21,18 +24,29 @@ using Json = nlohmann::ordered_json;
 constexpr double kDefaultTimeout = 5;
 
 HelpText help() {
-  return {.common = {"--server", "--timeout", "--json"},
+  return {.common = {"--server", "--timeout", "--unit", "--view", "--json"},
           .examples = R"(segctl info
-segctl info --server robot:50051 --json - | jq .limits.max_points)",
-          .details = "",
-          .exit_codes = "0 success; 1 the operation failed (server unreachable); 2 bad usage."};
+segctl info --server robot:50051 --json - | jq .limits.max_points
+segctl info scan.ply)",
+          .details = "With FILE it tells what is in a file, asks no server, and segments nothing.",
+          .exit_codes = "0 success; 1 the operation failed (server unreachable); 2 bad input or usage."};
 }
 
 struct InfoArguments {
+  std::string file;
+  std::string view;
+  UnitFlag unit;
   ServerFlags server;
   JsonFlag json;
 
   void add_to(CLI::App& app) {
+    app.add_option("FILE", file,
+                   "tell what is in the file of a cloud; - is standard input; default: tell of the server")
+        ->type_name("FILE");
+    unit.add_to(app, "File");
+    app.add_option("--view", view, "where the sensor is: camera, world, or world:X,Y,Z with its position in meters")
+        ->type_name("VIEW")
+        ->group("File");
     server.add_to(app, kDefaultTimeout);
     json.add_to(app, "write one JSON object instead of text");
   }
@@ -145,17 +159,36 @@ std::string to_text(const Json& json, const std::string& address) {
   return text;
 }
 
+absl::StatusOr<Json> info_of_file(const InfoArguments& arguments) {
+  if (arguments.server.server_given()) {
+    return absl::InvalidArgumentError("FILE and --server exclude each other: a file is read without a server");
+  }
+  codec::ReadOptions options{.unit = arguments.unit.unit()};
+  if (!arguments.view.empty()) {
+    ASSIGN_OR_RETURN(options.view, parse_view(arguments.view));
+  }
+  return file_info(arguments.file, options);
+}
+
+absl::StatusOr<Json> info_of_server(const InfoArguments& arguments) {
+  if (!arguments.view.empty() || arguments.unit.given()) {
+    return absl::InvalidArgumentError("--view and --unit need FILE");
+  }
+  ASSIGN_OR_RETURN(const auto client, arguments.server.connect());
+  ASSIGN_OR_RETURN(const auto info, client.server_info());
+  return to_json(info);
+}
+
 absl::Status run(const InfoArguments& arguments) {
   StagedOutput output;
   RETURN_IF_ERROR(arguments.json.announce(output));
-  ASSIGN_OR_RETURN(const auto client, arguments.server.connect());
-  ASSIGN_OR_RETURN(const auto info, client.server_info());
-  const Json json = to_json(info);
+  const bool is_file = !arguments.file.empty();
+  ASSIGN_OR_RETURN(const Json json, is_file ? info_of_file(arguments) : info_of_server(arguments));
   constexpr int kIndent = 2;
   if (arguments.json.given()) {
     arguments.json.add(output, json_text(json, kIndent));
   } else {
-    output.add("-", to_text(json, arguments.server.address()));
+    output.add("-", is_file ? file_info_text(json) : to_text(json, arguments.server.address()));
   }
   return output.commit();
 }
@@ -163,7 +196,7 @@ absl::Status run(const InfoArguments& arguments) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Command& chosen) {
-  add_command(app, chosen, "info", "Tell what the server can do: version, limits, methods, options", help(), run);
+  add_command(app, chosen, "info", "Tell what the server can do, or what is in a file", help(), run);
 }
 
 }  // namespace segserve::segctl

@@ -37,9 +37,9 @@ constexpr const char* kDetails =
     R"(Labels are numbered 1, 2, 3 and so on by descending size of the segment. Points that are not finite, that the crop
 box or the range leaves out, or that are removed with the support plane get label 0.
 
-Without --view, the file and its points tell where the sensor is: points on the rays of a camera's pixels are seen by the
-camera, points on the rings of a LiDAR from the origin, others from VIEWPOINT if a PCD file has one that is not (0, 0, 0).
-The summary says what was taken, and why. Images are seen by the camera.
+Without --view, the file and its points tell where the sensor is: points on the rays of a camera's pixels are seen by
+the camera, points on the rings of a LiDAR from the origin, others from VIEWPOINT if a PCD file has one that is not
+(0, 0, 0). The summary says what was taken, and why. Images are seen by the camera.
 
 Coordinates far from the origin, such as UTM, are moved near it before they become floats. Outputs, centroids and boxes
 are in the file's coordinates and unit again; all lengths on the command line are in meters.
@@ -71,16 +71,16 @@ absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& o
 /// One cloud on its way to be segmented.
 struct Job {
   std::string input;                         ///< The name of the input in messages.
-  std::string file_bytes;                    ///< Of a cloud; empty for images.
+  std::optional<std::string> file_bytes;     ///< Of a cloud; unset for images.
   std::optional<client::Payload> payload;    ///< A PCD file or images that are sent without decoding them here.
   std::optional<codec::LabeledCloud> scene;  ///< Unset if only the server needs the points.
   SegmentRequest request;
 };
 
 absl::StatusOr<codec::LabeledCloud> decode(const Job& job) {
-  auto scene = job.file_bytes.empty()
-                   ? client::decode(*job.payload)
-                   : codec::decode_cloud(std::as_bytes(std::span(job.file_bytes)), {}, job.request.read_options());
+  auto scene = job.file_bytes
+                   ? codec::decode_cloud(std::as_bytes(std::span(*job.file_bytes)), {}, job.request.read_options())
+                   : client::decode(*job.payload);
   if (!scene.ok()) return with_prefix(job.input, scene.status());
   return scene;
 }
@@ -96,8 +96,8 @@ absl::Status read_files(const SegmentArguments& arguments, Job& job) {
   ASSIGN_OR_RETURN(std::string bytes, read_input(arguments.scenes.front()));
   const bool sends_pcd = job.request.codec && job.request.codec->codec == wire::Codec::kPcd;
   job.file_bytes = std::move(bytes);
-  if (sends_pcd && !codec::is_ply(job.file_bytes)) {
-    job.payload = client::pcd_payload(job.file_bytes, job.request.view, job.request.unit);
+  if (sends_pcd && !codec::is_ply(*job.file_bytes)) {
+    job.payload = client::pcd_payload(*job.file_bytes, job.request.view, job.request.unit);
   }
   return absl::OkStatus();
 }

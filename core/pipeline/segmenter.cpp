@@ -49,14 +49,17 @@ absl::StatusOr<Cut> cut(const FrameContext& frame, const MergeTree& tree) {
                                : cut_at_threshold(tree, *frame.options.threshold, frame.stop);
 }
 
-/// Sets Segmentation::fitting_resolution if nearly every voxel holds a single point.
-void judge_resolution(const FrameContext& frame, Segmentation& result) {
-  constexpr std::size_t kFewest = 16;  // A handful of points says nothing.
-  constexpr double kSingle = 1.05;     // points of a voxel
-  constexpr std::size_t kWanted = 4;   // points of a voxel
+/// Sets Segmentation::fitting_resolution if nearly every voxel holds a single point, and supervoxels are hardly larger.
+absl::Status judge_resolution(const FrameContext& frame, Segmentation& result) {
+  constexpr std::size_t kFewest = 16;    // A handful of points says nothing.
+  constexpr double kSingle = 1.05;       // points of a voxel
+  constexpr std::size_t kShattered = 2;  // voxels of a supervoxel
+  constexpr std::size_t kWanted = 4;     // points of a voxel
   const bool is_sparse = static_cast<double>(result.segmented_points) < kSingle * static_cast<double>(result.voxels);
-  if (result.segmented_points < kFewest || !is_sparse) return;
+  const bool is_shattered = result.voxels < kShattered * result.tree.leaf_count();
+  if (result.segmented_points < kFewest || !is_sparse || !is_shattered) return absl::OkStatus();
   result.fitting_resolution = coarser_resolution(frame, result.segmented_points / kWanted);
+  return frame.stop.check();
 }
 
 absl::Status ask(const Admission& admit, const FrameContext& frame, std::size_t voxels) {
@@ -186,7 +189,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   result.voxels = w.grid.size();
   result.zero_points = w.grid.zero_points;
   result.points_beyond_grid = w.grid.points_beyond_grid;
-  judge_resolution(frame, result);
+  RETURN_IF_ERROR(judge_resolution(frame, result));
   timings.total = total.lap();
   return result;
 }

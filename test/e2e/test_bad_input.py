@@ -102,11 +102,11 @@ class BadInput(EndToEnd):
         self.refuse(pcd.ascii_file(SQUARE), "--lambda", "2", "--color-weight", "-4", saying="color_weight")
 
     def test_coordinates_beyond_any_grid(self):
-        self.refuse(pcd.ascii_file(SQUARE + [(1e30, 0.0, 1.0)]))
+        self.refuse(pcd.ascii_file(SQUARE + [(1e30, 0.0, 1.0)] * 20))
 
     def test_points_behind_the_camera(self):
         for z in (0.0, -1.0):
-            self.refuse(pcd.ascii_file(SQUARE + [(0.0, 0.0, z)]), "--view", "camera", saying="z")
+            self.refuse(pcd.ascii_file(SQUARE + [(0.5, 0.0, z)] * 20), "--view", "camera", saying="z")
 
     def test_a_cloud_over_the_servers_limit(self):
         points = [(0.001 * i, 0.0, 1.0) for i in range(LIMIT + 1)]

@@ -116,7 +116,7 @@ class Batch(EndToEnd):
                 self.assertFalse((self.outputs / "scene2.pcd").exists())
 
     def test_an_error_of_one_cloud_comes_from_the_server_too(self):
-        (self.inputs / "behind.pcd").write_bytes(pcd.binary_file([(0.0, 0.0, -1.0)] * 4))
+        (self.inputs / "behind.pcd").write_bytes(pcd.binary_file([(0.0, 0.0, -1.0), (0.0, 0.0, 1.0)] * 4))
         done = self.batch("--view", "camera")
         self.assertEqual(done.returncode, BAD_INPUT)
         self.assertEqual(self.states(done)["behind.pcd"], "failed")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Files as strangers have them: each is read right, and what cannot be used is said. ../shared/cases/README.md describes them."""
 import json
+import struct
 import unittest
 
 from harness import DATA, EndToEnd
@@ -13,6 +14,13 @@ COLORS = ("ply_color_r_g_b.ply", "ply_color_16bit.ply", "ply_color_float_0_1.ply
           "ply_color_capitals.ply", "ply_color_decimals.ply")
 TEXT = ("ply_cr_line_ends.ply", "ply_bom_at_data.ply", "pcd_bom.pcd", "pcd_height_0.pcd", "pcd_comment_after_end.pcd")
 NOT_ALL_USED = ("ply_long_face_rows.ply", "ply_lines_after_end.ply", "ply_faces_cut_off.ply")
+
+
+def positions(path):
+    """The coordinates of a binary PLY file whose vertices are 577 rows that begin with three doubles."""
+    body = path.read_bytes().split(b"end_header\n", 1)[1]
+    size = len(body) // 577
+    return [struct.unpack_from("<3d", body, row * size) for row in range(577)]
 
 
 @unittest.skipUnless(CASES.is_dir(), "there are no cases of strangers' files")
@@ -49,6 +57,85 @@ class Cases(EndToEnd):
     def test_nan_in_the_spelling_of_microsoft(self):
         told = self.told("pcd_qnan.pcd")
         self.assertEqual((told["points"], told["finite"], told["segments"]), (577, 512, 2))
+
+    def tell(self, name, *flags):
+        return json.loads(self.run_well("segment", CASES / name, "--local", "--segments", *flags, "--json", "-").stdout)
+
+    def test_units_are_told_or_missed(self):
+        for unit in ("mm", "auto"):
+            told = self.tell("ply_millimetres.ply", "--unit", unit)
+            self.assertEqual(told["segment_points"], [388, 189])
+            self.assertEqual([w["reason"] for w in told["warnings"]], [] if unit == "mm" else ["UNIT_GUESSED"])
+            box = told["segment_statistics"][0]["box"]
+            self.assertGreater(max(box["half_extents"]), 50, "results are in the unit of the file")
+            self.assertEqual(self.tell("ply_integer_millimetres.ply", "--unit", unit)["segments"], 2)
+        for name in ("ply_millimetres.ply", "ply_integer_millimetres.ply"):
+            [warning] = self.tell(name)["warnings"]
+            self.assertEqual(warning["reason"], "TOO_SPARSE")
+            self.assertIn("unit", warning["message"])
+
+    def test_places_far_away_come_back(self):
+        out = self.path("utm.ply")
+        told = self.tell("ply_utm_double.ply", "-o", out)
+        self.assertEqual(told["segment_points"], [388, 189])
+        centroid = told["segment_statistics"][0]["centroid"]
+        self.assertAlmostEqual(centroid[0], 389425.08, delta=0.1)
+        self.assertAlmostEqual(centroid[1], 5819321.06, delta=0.1)
+        self.assertEqual(positions(out), positions(CASES / "ply_utm_double.ply"))
+        again = json.loads(self.run_well("segment", out, "--local", "--json", "-").stdout)
+        self.assertEqual(again["segment_points"], [388, 189])
+        crop = self.tell("ply_utm_double.ply", "--crop-min-x", "389425.05")
+        self.assertTrue(0 < crop["segmented"] < 577, "the crop box is in the coordinates of the file")
+
+    def test_the_sensor_follows_from_the_points(self):
+        for name, view, points in (("pcd_origin_inside.pcd", "world", [388, 189]),
+                                   ("pcd_organised_openni_viewpoint.pcd", "camera", [1978, 574]),
+                                   ("pcd_organised_zeros.pcd", "camera", [1978, 574])):
+            with self.subTest(name):
+                told = self.tell(name)
+                self.assertEqual((told["view"], told["segment_points"]), (view, points))
+        told = self.tell("pcd_organised_zeros.pcd")
+        self.assertEqual((told["points"], told["finite"]), (3072, 2552))
+        self.assertEqual([w["reason"] for w in told["warnings"]], ["POINTS_NOT_USED"])
+
+    def test_sweeps_of_a_lidar_are_seen_from_the_origin(self):
+        for name in ("pcd_lidar_organised.pcd", "pcd_lidar_sweep.pcd"):
+            with self.subTest(name):
+                told = self.tell(name)
+                self.assertEqual(told["view"], "world:0,0,0")
+                self.assertIn("LiDAR", told["view_rule"])
+                [warning] = told["warnings"]
+                self.assertRegex(warning["message"], "at 0[.][0-9]+ m a voxel would hold")
+                fitting = self.tell(name, "--voxel-resolution", "0.3", "--seed-resolution", "1.2")
+                self.assertTrue(5 <= fitting["segments"] <= 20, fitting["segments"])
+                self.assertEqual(fitting["warnings"], [])
+
+    def test_a_cloud_without_a_sensor_stays_so(self):
+        first = self.tell("ply_color_r_g_b.ply", "-o", self.path("saved.pcd"))
+        again = json.loads(self.run_well("segment", self.path("saved.pcd"), "--local", "--json", "-").stdout)
+        self.assertEqual((again["view"], again["segment_points"]), (first["view"], first["segment_points"]))
+
+    def test_the_server_says_the_same(self):
+        for name, flags in (("ply_utm_double.ply", ()), ("pcd_organised_zeros.pcd", ()),
+                            ("pcd_organised_zeros.pcd", ("--codec", "pcd")), ("pcd_lidar_sweep.pcd", ("--codec", "pcd")),
+                            ("ply_millimetres.ply", ("--unit", "mm"))):
+            with self.subTest(name):
+                here = self.tell(name, *flags)
+                there = json.loads(self.run_well("segment", CASES / name, "--server", self.server.address, "--segments",
+                                                 *flags, "--json", "-").stdout)
+                for key in ("segment_points", "segment_statistics", "view", "view_rule", "warnings", "placement", "finite"):
+                    self.assertEqual(there[key], here[key], (name, flags, key))
+
+    def test_info_tells_what_is_in_every_file(self):
+        for path in sorted([*CASES.glob("*.ply"), *CASES.glob("*.pcd")]):
+            with self.subTest(path.name):
+                info = json.loads(self.run_well("info", path, "--json", "-").stdout)
+                self.assertEqual(info["format"], path.suffix[1:].upper())
+                self.assertTrue(info["points"] >= info["finite"] > 0)
+                self.assertTrue(info["view_rule"])
+                self.assertGreater(info["spacing"], 0)
+                self.assertEqual(info["unit"]["guess"], "mm" if "millimetres" in path.name else "m")
+                self.assertIn(path.name, self.run_well("info", path).stdout)
 
 
 if __name__ == "__main__":

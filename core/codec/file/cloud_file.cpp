@@ -86,9 +86,13 @@ bool has_extension(const std::string& path, std::string_view extension) {
 
 absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                           const ReadOptions& options, const StopToken& stop) {
-  if (is_ply(as_text(bytes))) return decode_ply(bytes, limits, options, stop);
+  const auto with_format = [](absl::StatusOr<LabeledCloud> cloud, const char* format) {
+    if (cloud.ok()) cloud->format = format;
+    return cloud;
+  };
+  if (is_ply(as_text(bytes))) return with_format(decode_ply(bytes, limits, options, stop), "PLY");
   if (const auto advice = advice_on_format(as_text(bytes))) return absl::InvalidArgumentError(*advice);
-  return decode_pcd(bytes, limits, options, stop);
+  return with_format(decode_pcd(bytes, limits, options, stop), "PCD");
 }
 
 absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options,

@@ -169,7 +169,7 @@ TEST_F(ClientTest, NamesEveryWrongOption) {
 
 TEST_F(ClientTest, SaysWhatIsWrongWithTheCloud) {
   Cloud cloud = flat_cloud(8, 8);
-  cloud.z[3] = -1;
+  for (std::size_t i = 0; i < cloud.size(); i += 3) cloud.z[i] = -1;
   const auto remote = client().segment(cloud);
   EXPECT_TRUE(absl::IsInvalidArgument(remote.status())) << remote.status();
   EXPECT_EQ(wire::details_of(remote.status()).reason, wire::ErrorReason::kInvalidCloud);

@@ -59,8 +59,33 @@ TEST(BadInput, OptionsOutOfRange) {
 
 TEST(BadInput, CoordinatesBeyondTheGrid) {
   Cloud cloud = test::random_cloud(10, 1, 2, View::world());
+  for (std::size_t i = 5; i < 10; ++i) cloud.x[i] = 1e30F;
+  EXPECT_THAT(fault(cloud), HasSubstr("point 5 at (1e+30"));
+}
+
+TEST(OddInput, SinglePointsBeyondTheGridAreLeftOutAndCounted) {
+  Cloud cloud = test::random_cloud(1000, 1, 2, View::world());
   cloud.x[7] = 1e30F;
-  EXPECT_THAT(fault(cloud), HasSubstr("point 7 at (1e+30"));
+  const Segmentation s = *segment(cloud, {});
+  EXPECT_EQ(s.labels[7], 0U);
+  EXPECT_EQ(s.points_beyond_grid, 1U);
+  EXPECT_EQ(s.finite_points, 1000U);
+  EXPECT_EQ(s.segmented_points, 999U);
+}
+
+TEST(OddInput, PointsThatAreFarApartSayWhichResolutionFits) {
+  Cloud cloud = test::unorganized(View::world());
+  for (int i = 0; i < 30; ++i) {
+    for (int k = 0; k < 30; ++k) test::add(cloud, 0.1F * static_cast<float>(i), 0.1F * static_cast<float>(k), 0.01F, 0);
+  }
+  const Segmentation scattered = *segment(cloud, {});
+  ASSERT_TRUE(scattered.fitting_resolution);
+  EXPECT_GT(*scattered.fitting_resolution, 0.1);
+  EXPECT_LT(*scattered.fitting_resolution, 0.5);
+  Options fitting;
+  fitting.voxel_resolution = *scattered.fitting_resolution;
+  fitting.seed_resolution = 1.0;
+  EXPECT_FALSE(segment(cloud, fitting)->fitting_resolution);
 }
 
 TEST(OddInput, WithoutAnyFinitePointAllLabelsAreZero) {

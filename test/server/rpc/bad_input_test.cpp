@@ -159,7 +159,7 @@ TEST_F(BadInput, CoordinatesBeyondTheGrid) {
 
 TEST_F(BadInput, CameraPointBehindTheCamera) {
   for (const float z : {0.0F, -1.0F}) {
-    refuse(request_for(equal_points(5, 0, 0, z)), wire::ErrorReason::kInvalidCloud);
+    refuse(request_for(equal_points(5, 0.5F, 0, z)), wire::ErrorReason::kInvalidCloud);
     EXPECT_THAT(message_, HasSubstr("z"));
   }
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace segserve::codec {
@@ -27,6 +28,13 @@ enum class ScalarType : std::uint8_t {
 constexpr std::size_t size_of(ScalarType type) {
   constexpr std::array<std::size_t, 10> kSizes{1, 2, 4, 8, 1, 2, 4, 8, 4, 8};
   return kSizes[static_cast<std::size_t>(type)];
+}
+
+/// "int8", "uint32", "float64" and so on.
+constexpr std::string_view name(ScalarType type) {
+  constexpr std::array<std::string_view, 10> kNames{"int8",   "int16",  "int32",  "int64",   "uint8",
+                                                    "uint16", "uint32", "uint64", "float32", "float64"};
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 /// Values that a file has for each of its N points beside position, color and label, such as intensity, time or

@@ -27,6 +27,7 @@ struct LabeledCloud {
   /// The coordinates of the file, if they were asked for and are not those of the cloud bit for bit; else empty.
   FilePosition file_position;
   std::vector<Attribute> attributes;  ///< the other values of the points, if they were asked for
+  std::string format;                 ///< for people: the format of the file, e.g. "PCD"; set by decode_cloud
 };
 
 /// What a file is written from: N points with their labels and other values. It owns nothing.

@@ -22,7 +22,8 @@ LabeledCloud read(const std::array<std::vector<T>, 3>& axes, ScalarType type, co
   out.cloud.height = 1;
   std::array<Column, 3> columns;
   for (std::size_t i = 0; i < 3; ++i) columns[i] = {std::as_bytes(std::span(axes[i])).data(), sizeof(T), type};
-  StopCheck check{StopToken()};
+  const StopToken never;
+  StopCheck check(never);
   EXPECT_TRUE(read_positions(columns, {}, options, check, out).ok());
   return out;
 }

@@ -80,7 +80,8 @@ Cloud table(float x, float y, float z) {
 }
 
 ViewChoice choose(const Cloud& cloud, const ViewEvidence& evidence = {}) {
-  StopCheck check{StopToken()};
+  const StopToken never;
+  StopCheck check(never);
   return choose_view(cloud, evidence, check).value();
 }
 
@@ -163,7 +164,8 @@ TEST(ViewChoice, DoesNotDependOnTheOrderOfPoints) {
 
 TEST(ViewChoice, HearsToStop) {
   const std::atomic<bool> cancelled{true};
-  StopCheck check{StopToken(&cancelled)};
+  const StopToken stop(&cancelled);
+  StopCheck check(stop);
   Cloud many = shuffled(frame());
   for (int i = 0; i < 4; ++i) {
     many.x.insert(many.x.end(), many.x.begin(), many.x.end());

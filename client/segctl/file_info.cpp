@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/segctl/file_info.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "client/segctl/input_file.hpp"
+#include "client/segctl/summary.hpp"
+#include "client/segctl/view_flag.hpp"
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "core/base/stop_check.hpp"
+#include "core/codec/common/point_spacing.hpp"
+#include "fmt/format.h"
+#include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/unit_conversion.hpp"
+
+namespace segserve::segctl {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+struct Box {
+  Eigen::Vector3d low, high;
+  std::size_t finite = 0;
+};
+
+/// The box of the finite points, in the file's coordinates.
+Box box_of(const codec::LabeledCloud& scene) {
+  Box box;
+  const Cloud& cloud = scene.cloud;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;
+    const Eigen::Vector3d p = scene.placement.to_file({cloud.x[i], cloud.y[i], cloud.z[i]});
+    box.low = box.finite == 0 ? p : box.low.cwiseMin(p).eval();
+    box.high = box.finite == 0 ? p : box.high.cwiseMax(p).eval();
+    ++box.finite;
+  }
+  return box;
+}
+
+Json attributes_json(const codec::LabeledCloud& scene) {
+  Json list = Json::array();
+  for (const codec::Attribute& attribute : scene.attributes) {
+    list.push_back({{"name", attribute.name}, {"type", name(attribute.type)}, {"count", attribute.count}});
+  }
+  return list;
+}
+
+/// The unit that the coordinates are taken in, and the one that their spacing makes plain.
+Json unit_json(const codec::LabeledCloud& scene, codec::LengthUnit asked) {
+  Json json{{"taken", scene.placement.meters_per_unit() == 1 ? "m" : name(asked)}, {"guess", Json()}, {"why", Json()}};
+  if (asked == codec::LengthUnit::kAuto && scene.placement.meters_per_unit() != 1) json["taken"] = "mm";
+  Cloud in_file_unit = scene.cloud;
+  for (std::vector<float>* axis : {&in_file_unit.x, &in_file_unit.y, &in_file_unit.z}) {
+    for (float& v : *axis) v = static_cast<float>(v / scene.placement.meters_per_unit());
+  }
+  const auto guessed = codec::to_meters(in_file_unit, {.view = View::world(), .unit = codec::LengthUnit::kAuto});
+  if (!guessed.ok() || guessed->warnings.empty()) return json;
+  json["guess"] = guessed->placement.meters_per_unit() == 1 ? "m" : "mm";
+  json["why"] = guessed->warnings.front().message;
+  return json;
+}
+
+std::string words(const Json& list) {
+  std::string text;
+  for (const Json& entry : list) {
+    text += fmt::format("{}{} ({}{})", text.empty() ? "" : ", ", entry["name"].get<std::string>(),
+                        entry["type"].get<std::string>(),
+                        entry["count"] == 1 ? "" : fmt::format(" x {}", entry["count"].get<std::size_t>()));
+  }
+  return text.empty() ? "none" : text;
+}
+
+std::string position_text(const Json& v) {
+  return fmt::format("({:.10g}, {:.10g}, {:.10g})", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+}
+
+}  // namespace
+
+absl::StatusOr<Json> file_info(const std::string& path, codec::ReadOptions options) {
+  options.keep_everything = true;
+  ASSIGN_OR_RETURN(const std::string bytes, read_input(path));
+  auto scene = codec::decode_cloud(std::as_bytes(std::span(bytes)), {}, options);
+  if (!scene.ok()) return with_prefix(input_name(path), scene.status());
+  const Box box = box_of(*scene);
+  const StopToken never;
+  StopCheck check(never);
+  const auto spacing = codec::point_spacing(scene->cloud, check);
+  const std::set<std::uint32_t> labels(scene->label.begin(), scene->label.end());
+
+  Json json;
+  json["file"] = input_name(path);
+  json["format"] = scene->format;
+  json["bytes"] = bytes.size();
+  json["points"] = scene->cloud.size();
+  json["width"] = scene->cloud.width;
+  json["height"] = scene->cloud.height;
+  json["finite"] = box.finite;
+  json["color"] = scene->cloud.has_color();
+  json["labels"] = scene->label.empty() ? Json() : Json(labels.size());
+  json["attributes"] = attributes_json(*scene);
+  json["box"] = box.finite == 0 ? Json() : Json{{"low", vector_json(box.low)}, {"high", vector_json(box.high)}};
+  json["spacing"] = spacing ? Json(*spacing / scene->placement.meters_per_unit()) : Json();
+  json["unit"] = unit_json(*scene, options.unit);
+  json["view"] = view_text(to_file(scene->placement, scene->cloud.view));
+  json["view_rule"] = scene->view_rule;
+  json["placement"] = {{"scale", vector_json(scene->placement.scale)},
+                       {"offset", vector_json(scene->placement.offset)}};
+  json["voxel_resolution"] = spacing ? Json(2 * *spacing) : Json();
+  json["warnings"] = warnings_json(scene->warnings);
+  return json;
+}
+
+std::string file_info_text(const Json& info) {
+  const auto height = info["height"].get<std::uint32_t>();
+  std::string text = fmt::format(
+      "{}: {}, {} points{}, {} finite\n", info["file"].get<std::string>(), info["format"].get<std::string>(),
+      info["points"].get<std::size_t>(),
+      height > 1 ? fmt::format(" ({} x {})", info["width"].get<std::uint32_t>(), height) : ", not organized",
+      info["finite"].get<std::size_t>());
+  const Json& labels = info["labels"];
+  text += fmt::format("colors: {}; labels: {}; other values: {}\n", info["color"].get<bool>() ? "yes" : "no",
+                      labels.is_null() ? "none" : fmt::format("{} different", labels.get<std::size_t>()),
+                      words(info["attributes"]));
+  if (!info["box"].is_null()) {
+    text += fmt::format("from {} to {}\n", position_text(info["box"]["low"]), position_text(info["box"]["high"]));
+  }
+  if (!info["spacing"].is_null()) {
+    text += fmt::format("neighboring points are {:.4g} units apart; voxels of {:.3g} m would hold about four\n",
+                        info["spacing"].get<double>(), info["voxel_resolution"].get<double>());
+  }
+  const Json& unit = info["unit"];
+  text += fmt::format("unit: {}", unit["taken"].get<std::string>());
+  if (!unit["guess"].is_null() && unit["guess"] != unit["taken"]) {
+    text +=
+        fmt::format("; --unit auto would say {}: {}", unit["guess"].get<std::string>(), unit["why"].get<std::string>());
+  }
+  text += fmt::format("\nview: {}\n", info["view_rule"].get<std::string>());
+  const Eigen::Vector3d offset(info["placement"]["offset"][0], info["placement"]["offset"][1],
+                               info["placement"]["offset"][2]);
+  if (offset != Eigen::Vector3d::Zero()) {
+    text += fmt::format("the cloud is far from the origin, and moved by {} for the segmentation\n",
+                        position_text(vector_json(-offset)));
+  }
+  for (const Json& warning : info["warnings"]) {
+    text += fmt::format("warning: {}\n", warning["message"].get<std::string>());
+  }
+  return text;
+}
+
+}  // namespace segserve::segctl
