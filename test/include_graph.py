@@ -36,12 +36,13 @@ LAYERS = {
     "core/pcl_adapter": PUBLIC_CORE,
     "proto/include": PUBLIC_CORE,
     "proto": [*WIRE, "proto/include"],
-    "server": [*PUBLIC_CORE, "core/base", "proto", "proto/include"],
+    "command_line": [],
+    "server": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "command_line"],
     "client/include": [*PUBLIC_CORE, "proto/include", "proto/generated"],
     "client/calls": [*CLIENT, "proto/include"],
     "client/stream": [*CLIENT, "proto/include"],
     "client/load_test": [*CLIENT, "proto/include"],
-    "client/segctl": [*CLIENT, "proto/include", "client/load_test", "core/lab"],
+    "client/segctl": [*CLIENT, "proto/include", "client/load_test", "core/lab", "command_line"],
     "client": [*CLIENT, "proto/include", "core/lab"],  # examples
 }
 GENERATED = re.compile(r"^(segserve/v\d|google/rpc|grpc/health)/.*\.pb\.h$|^server/version\.hpp$")

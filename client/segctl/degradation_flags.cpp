@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "client/segctl/not_negative.hpp"
+#include "command_line/not_negative.hpp"
 
 namespace segserve::segctl {
 

@@ -6,8 +6,8 @@
 #include "client/segctl/command.hpp"
 #include "client/segctl/exit_code.hpp"
 #include "client/segctl/messages.hpp"
+#include "command_line/usage_faults.hpp"
 #include "core/base/status_text.hpp"
-#include "fmt/format.h"
 
 namespace {
 
@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --help-all or --version
-    print_error(fmt::format("{} (see segctl --help)", error.what()));
+    print_error(segserve::usage_faults(app, error));
     return kBadInput;
   }
   const absl::Status status = chosen();

@@ -6,10 +6,10 @@
 
 #include "client/segctl/command.hpp"
 #include "client/segctl/json_flag.hpp"
-#include "client/segctl/not_negative.hpp"
 #include "client/segctl/rgbd_output.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "command_line/not_negative.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/lab/synth/scene.hpp"
 #include "fmt/format.h"

@@ -5,6 +5,8 @@
 #include <map>
 
 #include "CLI/CLI.hpp"
+#include "command_line/not_negative.hpp"
+#include "command_line/usage_faults.hpp"
 #include "fmt/format.h"
 #include "server/server.hpp"
 #include "server/version.hpp"
@@ -53,32 +55,41 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   app.set_version_flag("--version", fmt::format("segserve {}", kVersion));
   app.add_option("--listen", server.listen, "Address: HOST:PORT, [IPv6]:PORT or unix:PATH; port 0 picks a free one")
       ->type_name("ADDRESS")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_flag("--insecure-beyond-loopback", server.insecure_beyond_loopback,
                "Serve plain text on an address that other machines can reach");
   app.add_option("--port-file", flags.port_file, "Write the port to this file once the server is ready")
       ->type_name("PATH");
   app.add_option("--workers", server.workers, "Frames that are computed at the same time; 0: one per CPU")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--threads", server.threads, "Most threads within one frame")->capture_default_str();
   app.add_option("--queue", server.queue, "Frames that may wait for a worker; one more is refused")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--queue-bytes", server.queue_bytes, "Most bytes of all requests that wait or are computed")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--queue-points", server.queue_points, "Most points of all clouds that wait or are computed")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--stream-frames", server.stream_frames, "Most frames that one stream may have under way")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--stream-bytes", server.stream_bytes, "Most bytes of payload that one stream may have under way")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--max-points", server.max_points, "Most points of one cloud")->capture_default_str();
   app.add_option("--max-decoded-bytes", server.max_decoded_bytes, "Most bytes of one cloud after decompression")
+      ->check(not_negative())
       ->capture_default_str();
   app.add_option("--max-voxels", server.max_voxels, "Most voxels of one cloud")->capture_default_str();
   app.add_option("--memory", server.memory,
                  "Most memory for all frames, e.g. 4GiB; 0: 75 % of what the cgroup or the machine has")
       ->transform(CLI::AsSizeValue(false))
       ->type_name("BYTES")
+      ->check(not_negative())
       ->capture_default_str();
   add_seconds(app, "--max-frame-seconds", "Most seconds for the computation of one frame", server.max_frame_time);
   app.add_flag("--enable-draco", server.enable_draco,
@@ -99,8 +110,9 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    const int code = app.exit(error);
-    return code == 0 ? 0 : kUsageError;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help or --version
+    fmt::print(stderr, "segserve: {}\n", usage_faults(app, error));
+    return kUsageError;
   }
 
   const std::vector<FieldViolation> faults = violations(server);

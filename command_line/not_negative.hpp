@@ -5,7 +5,7 @@
 
 #include "CLI/CLI.hpp"
 
-namespace segserve::segctl {
+namespace segserve {
 
 /// For options that are stored as unsigned integers: CLI11 would turn -1 into the largest one.
 inline CLI::Validator not_negative() {
@@ -15,4 +15,4 @@ inline CLI::Validator not_negative() {
           ""};
 }
 
-}  // namespace segserve::segctl
+}  // namespace segserve

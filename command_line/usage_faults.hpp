@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "CLI/CLI.hpp"
+
+namespace segserve {
+
+/// Everything that is wrong with the command line that `app` has refused with `error`, in one line: an unknown command
+/// or unknown options, with the names that may have been meant; values that are no numbers or out of range; options
+/// that are missing or do not go together. CLI11 itself tells the first of them only. The line ends with the command
+/// that shows the help, and has no line feed.
+std::string usage_faults(CLI::App& app, const CLI::ParseError& error);
+
+}  // namespace segserve
