@@ -15,13 +15,27 @@ bool is_connection_error(const absl::Status& status, const wire::ErrorDetails& d
   return candidate && details.reason == wire::ErrorReason::kUnspecified;
 }
 
+/// What gRPC says of a connection that could not be made, without the names of its parts around it: "connections to all
+/// backends failing; last error: UNKNOWN: ipv4:127.0.0.1:1: Failed to connect to remote host: Connection refused" is
+/// "Connection refused".
+std::string cause_of(const std::string& message) {
+  const bool is_wordy = message.starts_with("connections to all backends failing") ||
+                        message.starts_with("failed to connect to all addresses") ||
+                        message.starts_with("DNS resolution failed");
+  const std::size_t colon = message.rfind(": ");
+  return is_wordy && colon != std::string::npos ? message.substr(colon + 2) : message;
+}
+
 }  // namespace
 
 absl::Status call_status(const grpc::Status& grpc_status, std::string_view address) {
   const absl::Status status = wire::from_grpc(grpc_status);
   const wire::ErrorDetails details = wire::details_of(status);
   std::string message(status.message());
-  if (is_connection_error(status, details)) message = fmt::format("no answer from {}: {}", address, message);
+  if (is_connection_error(status, details)) {
+    message = fmt::format("no answer from {}: {}", address, cause_of(message));
+    if (absl::IsUnavailable(status)) message += "; is segserve running there?";
+  }
   for (const FieldViolation& fault : details.fields) {
     if (message.find(fault.field) == std::string::npos) {
       message += fmt::format("; {}: {}", fault.field, fault.description);

@@ -21,7 +21,7 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   ASSIGN_OR_RETURN(job.client, arguments.server.connect(arguments.fallback_local));
   // Without this, every file would fail for the same reason.
   const absl::Status reached = job.client->server_info().status();
-  if (!reached.ok() && !(arguments.fallback_local && absl::IsUnavailable(reached))) return reached;
+  if (!reached.ok() && !(arguments.fallback_local && absl::IsUnavailable(reached))) return or_locally(reached);
   job.server = arguments.server.address();
   job.stream.client_name = "segctl segment";
   job.stream.options = job.request.options;

@@ -6,7 +6,9 @@
 
 #include "client/segctl/messages.hpp"
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "fmt/format.h"
+#include "proto/wire/status_message.hpp"
 
 namespace segserve::segctl {
 
@@ -41,6 +43,13 @@ absl::StatusOr<client::Client> ServerFlags::connect(bool fallback_to_local) cons
   ASSIGN_OR_RETURN(const auto limit, timeout());
   return client::Client::connect(
       {.address = address_, .timeout = limit, .fallback_to_local = fallback_to_local, .use_proxy = use_proxy_});
+}
+
+absl::Status or_locally(const absl::Status& status) {
+  const bool server_answered = wire::details_of(status).reason != wire::ErrorReason::kUnspecified;
+  if (!absl::IsUnavailable(status) || server_answered) return status;
+  const std::string message = message_of(status);
+  return absl::UnavailableError(message + (message.ends_with('?') ? "" : ";") + " --local works without");
 }
 
 void warn_of_fallback(const std::string& address) {

@@ -33,6 +33,9 @@ class ServerFlags {
   CLI::Option* timeout_option_ = nullptr;
 };
 
+/// The status of a call; if no server was in reach, the message also says that --local works without one.
+absl::Status or_locally(const absl::Status& status);
+
 /// Tells on standard error that --fallback-local took the place of a server.
 void warn_of_fallback(const std::string& address);
 
