@@ -18,7 +18,8 @@ namespace segserve::client {
 namespace {
 
 constexpr std::string_view kMagic = "segserve-result ";
-constexpr std::string_view kVersion = "2";
+constexpr std::string_view kVersion = "3";
+constexpr std::string_view kVersionWithoutFingerprint = "2";
 constexpr std::size_t kMaxHeader = 64;  // bytes
 /// Protobuf reads no larger message.
 constexpr std::size_t kMaxPayload = std::numeric_limits<std::int32_t>::max();
@@ -26,6 +27,7 @@ constexpr std::size_t kMaxPayload = std::numeric_limits<std::int32_t>::max();
 struct Header {
   std::uint64_t payload_bytes = 0;
   std::uint32_t crc = 0;
+  std::optional<CloudFingerprint> cloud = std::nullopt;
 };
 
 /// Cuts the first word off a line.
@@ -44,20 +46,40 @@ std::optional<Number> parse(std::string_view text, int base) {
   return whole ? std::optional(number) : std::nullopt;
 }
 
-absl::StatusOr<Header> parse_header(std::string_view line) {
+absl::Status damaged_line() { return absl::InvalidArgumentError("the first line of the saved result is damaged"); }
+
+absl::StatusOr<Header> parse_line(std::string_view line) {
   if (!line.starts_with(kMagic)) return absl::InvalidArgumentError("this is not a result that segctl saved");
   line.remove_prefix(kMagic.size());
   const std::string_view version = take_word(line);
-  if (version != kVersion) {
-    return absl::InvalidArgumentError(
-        fmt::format("the saved result has version '{}', but this program reads version {}", version, kVersion));
+  if (version != kVersion && version != kVersionWithoutFingerprint) {
+    return absl::InvalidArgumentError(fmt::format("the saved result has version '{}', but this program reads {} and {}",
+                                                  version, kVersionWithoutFingerprint, kVersion));
   }
   const auto payload_bytes = parse<std::uint64_t>(take_word(line), 10);
   const auto crc = parse<std::uint32_t>(take_word(line), 16);
-  if (!payload_bytes || !crc || !line.empty()) {
-    return absl::InvalidArgumentError("the first line of the saved result is damaged");
+  if (!payload_bytes || !crc) return damaged_line();
+  Header header{*payload_bytes, *crc};
+  if (version == kVersion) {
+    const auto coordinates = parse<std::uint32_t>(take_word(line), 16);
+    const auto colors = parse<std::uint32_t>(take_word(line), 16);
+    if (!coordinates || !colors) return damaged_line();
+    header.cloud = CloudFingerprint{*coordinates, *colors};
   }
-  return Header{*payload_bytes, *crc};
+  return line.empty() ? absl::StatusOr<Header>(header) : damaged_line();
+}
+
+struct File {
+  Header header;
+  std::string_view payload;
+};
+
+absl::StatusOr<File> split(std::string_view bytes) {
+  const std::size_t end_of_line = bytes.substr(0, kMaxHeader).find('\n');
+  const bool has_line = end_of_line != std::string_view::npos;
+  ASSIGN_OR_RETURN(const Header header, parse_line(bytes.substr(0, has_line ? end_of_line : kMaxHeader)));
+  if (!has_line) return absl::InvalidArgumentError("the saved result is truncated in its first line");
+  return File{header, bytes.substr(end_of_line + 1)};
 }
 
 absl::Status check_payload(std::string_view payload, const Header& header) {
@@ -76,9 +98,8 @@ absl::Status check_payload(std::string_view payload, const Header& header) {
   return absl::OkStatus();
 }
 
-}  // namespace
-
-absl::StatusOr<std::string> encode_result_file(const Result& result) {
+/// The bytes after the first line.
+absl::StatusOr<std::string> encode_payload(const Result& result) {
   const wire::Outputs outputs{.labels = true,
                               .supervoxels = true,
                               .tree = true,
@@ -90,17 +111,33 @@ absl::StatusOr<std::string> encode_result_file(const Result& result) {
     return absl::InvalidArgumentError(fmt::format(
         "the result is too large for a file: {} bytes, at most {} are allowed", response.ByteSizeLong(), kMaxPayload));
   }
-  const std::string payload = response.SerializeAsString();
-  return fmt::format("{}{} {} {:08x}\n", kMagic, kVersion, payload.size(), wire::crc32(0, payload)) + payload;
+  return response.SerializeAsString();
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> encode_result_file(const Result& result, const CloudFingerprint& cloud) {
+  ASSIGN_OR_RETURN(const std::string payload, encode_payload(result));
+  return fmt::format("{}{} {} {:08x} {:08x} {:08x}\n", kMagic, kVersion, payload.size(), wire::crc32(0, payload),
+                     cloud.coordinates, cloud.colors) +
+         payload;
+}
+
+absl::StatusOr<std::string> encode_result_file(const Result& result) {
+  ASSIGN_OR_RETURN(const std::string payload, encode_payload(result));
+  return fmt::format("{}{} {} {:08x}\n", kMagic, kVersionWithoutFingerprint, payload.size(), wire::crc32(0, payload)) +
+         payload;
+}
+
+absl::StatusOr<std::optional<CloudFingerprint>> fingerprint_in_result_file(std::string_view bytes) {
+  ASSIGN_OR_RETURN(const File file, split(bytes));
+  return file.header.cloud;
 }
 
 absl::StatusOr<Result> decode_result_file(std::string_view bytes) {
-  const std::size_t end_of_line = bytes.substr(0, kMaxHeader).find('\n');
-  const bool has_line = end_of_line != std::string_view::npos;
-  ASSIGN_OR_RETURN(const Header header, parse_header(bytes.substr(0, has_line ? end_of_line : kMaxHeader)));
-  if (!has_line) return absl::InvalidArgumentError("the saved result is truncated in its first line");
-  const std::string_view payload = bytes.substr(end_of_line + 1);
-  RETURN_IF_ERROR(check_payload(payload, header));
+  ASSIGN_OR_RETURN(const File file, split(bytes));
+  const std::string_view payload = file.payload;
+  RETURN_IF_ERROR(check_payload(payload, file.header));
 
   v1::SegmentResponse response;
   if (!response.ParseFromArray(payload.data(), static_cast<int>(payload.size()))) {

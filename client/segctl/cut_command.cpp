@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "client/segctl/command.hpp"
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/json_flag.hpp"
+#include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/staged_output.hpp"
@@ -12,6 +15,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
+#include "segserve/client/cloud_fingerprint.hpp"
 #include "segserve/client/result_file.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/merge_tree.hpp"
@@ -28,9 +32,11 @@ HelpText help() {
 segctl cut scene.segres --threshold 0.25
 segctl cut scene.segres --regions 8 --cloud scene.pcd -o labeled.ply --picture segments.png)",
       .details =
-          R"(A saved result is one line of text, "segserve-result 2 BYTES CRC32", where BYTES is the size of the rest and CRC32
-its checksum in hexadecimal, followed by a segserve.v1.SegmentResponse (protobuf) with labels, supervoxels and merge
-tree. To read it elsewhere, drop the first line.)",
+          R"(A saved result is one line of text, "segserve-result 3 BYTES CRC32 COORDINATES COLORS", where BYTES is the size of
+the rest and CRC32 its checksum in hexadecimal, followed by a segserve.v1.SegmentResponse (protobuf) with labels,
+supervoxels and merge tree. To read it elsewhere, drop the first line. COORDINATES and COLORS are checksums of the
+points that were segmented, by which --cloud refuses another cloud. The cloud may be in another file format now.
+Version 2, without these checksums, is read with a warning.)",
       .exit_codes = "0 success; 1 the operation failed (disk full); 2 bad input or usage."};
 }
 
@@ -74,11 +80,43 @@ absl::Status announce_outputs(const CutArguments& arguments, StagedOutput& outpu
   return arguments.json.announce(output);
 }
 
-absl::StatusOr<client::Result> load_result(const std::string& path) {
+struct SavedResult {
+  client::Result result;
+  std::optional<client::CloudFingerprint> cloud;  ///< Unset in files of version 2.
+};
+
+absl::StatusOr<SavedResult> load_result(const std::string& path) {
   ASSIGN_OR_RETURN(const std::string bytes, read_input(path));
   auto result = client::decode_result_file(bytes);
-  if (result.ok()) return result;
-  return absl::InvalidArgumentError(fmt::format("{}: {}", input_name(path), message_of(result.status())));
+  if (!result.ok()) return with_prefix(input_name(path), result.status());
+  ASSIGN_OR_RETURN(const auto cloud, client::fingerprint_in_result_file(bytes));
+  return SavedResult{*std::move(result), cloud};
+}
+
+/// INVALID_ARGUMENT if it is plain that the result is of another cloud.
+absl::Status check_cloud(const CutArguments& arguments, const SavedResult& saved, const CloudView& cloud) {
+  const std::string cloud_name = input_name(arguments.cloud_path), result_name = input_name(arguments.result_path);
+  if (cloud.size() != saved.result.points) {
+    return absl::InvalidArgumentError(fmt::format("{} has {} points, but the saved result has {}: it is another cloud",
+                                                  cloud_name, cloud.size(), saved.result.points));
+  }
+  if (!saved.cloud) {
+    print_warning(
+        fmt::format("{} was saved by an older segctl and does not tell which cloud it belongs to: it is not "
+                    "checked that this is {}",
+                    result_name, cloud_name));
+    return absl::OkStatus();
+  }
+  const client::CloudFingerprint print = client::fingerprint(cloud);
+  if (print.coordinates != saved.cloud->coordinates) {
+    return absl::InvalidArgumentError(
+        fmt::format("{} is not the cloud that was segmented for {}: it has as many points, but other ones", cloud_name,
+                    result_name));
+  }
+  if (print.colors != saved.cloud->colors) {
+    print_warning(fmt::format("{} has other colors than the cloud that was segmented", cloud_name));
+  }
+  return absl::OkStatus();
 }
 
 /// Replaces the labels of a result by those of another cut of its tree.
@@ -104,12 +142,10 @@ codec::ReadOptions read_options(const client::Result& result) {
 }
 
 /// Adds what needs the points: the labeled cloud, its pictures, the statistics of the segments.
-absl::Status add_scene(const CutArguments& arguments, client::Result& result, StagedOutput& output) {
+absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, StagedOutput& output) {
+  client::Result& result = saved.result;
   ASSIGN_OR_RETURN(const auto scene, codec::load_cloud(arguments.cloud_path, read_options(result)));
-  if (scene.cloud.size() != result.points) {
-    return absl::InvalidArgumentError(fmt::format("{} has {} points, but the saved result has {}", arguments.cloud_path,
-                                                  scene.cloud.size(), result.points));
-  }
+  RETURN_IF_ERROR(check_cloud(arguments, saved, scene.cloud));
   arguments.scene_output.add(output, scene, result.segmentation.labels);
   if (!arguments.segments) return absl::OkStatus();
   RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), result.segmentation));
@@ -124,14 +160,14 @@ absl::Status run(const CutArguments& arguments) {
   if (!options.threshold && !options.regions) {
     return absl::InvalidArgumentError("--threshold or --regions is needed: where shall the tree be cut?");
   }
-  ASSIGN_OR_RETURN(client::Result result, load_result(arguments.result_path));
+  ASSIGN_OR_RETURN(SavedResult saved, load_result(arguments.result_path));
 
   const auto start = std::chrono::steady_clock::now();
-  RETURN_IF_ERROR(recut(result, options));
+  RETURN_IF_ERROR(recut(saved.result, options));
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
 
-  if (arguments.scene_output.wanted() || arguments.segments) RETURN_IF_ERROR(add_scene(arguments, result, output));
-  const Summary summary{.result = result,
+  if (arguments.scene_output.wanted() || arguments.segments) RETURN_IF_ERROR(add_scene(arguments, saved, output));
+  const Summary summary{.result = saved.result,
                         .input = input_name(arguments.result_path),
                         .server = "",
                         .timings = {{"cut", time.count()}, {"total", time.count()}},

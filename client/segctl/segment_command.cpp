@@ -120,10 +120,11 @@ absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& argument
   call.codec = job.request.codec;
   call.outputs.segments = job.request.segments;
   call.outputs.compression = answer_compression(job.request.codec);
-  if (job.payload) return client.segment_payload(*job.payload, job.request.options, call);
-  const Options options = codec::to_cloud(job.scene->placement, job.request.options);
-  ASSIGN_OR_RETURN(auto result, client.segment(job.scene->cloud, options, call));
-  take_file_facts(*job.scene, result);
+  auto result = job.payload
+                    ? client.segment_payload(*job.payload, job.request.options, call)
+                    : client.segment(job.scene->cloud, codec::to_cloud(job.scene->placement, job.request.options), call);
+  if (!result.ok()) return or_locally(result.status());
+  if (!job.payload) take_file_facts(*job.scene, *result);
   return result;
 }
 
@@ -151,7 +152,7 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
     arguments.scene_output.add(output, *job.scene, result.segmentation.labels);
   }
   if (!arguments.result_path.empty()) {
-    ASSIGN_OR_RETURN(auto bytes, client::encode_result_file(result));
+    ASSIGN_OR_RETURN(auto bytes, client::encode_result_file(result, client::fingerprint(job.scene->cloud)));
     output.add(arguments.result_path, std::move(bytes));
   }
   Summary summary{.result = result,
@@ -173,7 +174,8 @@ absl::Status segment_one(const SegmentArguments& arguments) {
   ASSIGN_OR_RETURN(Job job, prepare(arguments));
 
   auto start = std::chrono::steady_clock::now();
-  if (arguments.local || !job.payload || arguments.scene_output.wanted()) {
+  const bool needs_points = arguments.scene_output.wanted() || !arguments.result_path.empty();
+  if (arguments.local || !job.payload || needs_points) {
     ASSIGN_OR_RETURN(job.scene, decode(job));
   }
   const double decode_ms = milliseconds_since(start);

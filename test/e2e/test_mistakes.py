@@ -3,7 +3,7 @@
 import subprocess
 import unittest
 
-from harness import BAD_INPUT, SEGSERVE, EndToEnd
+from harness import BAD_INPUT, FAILED, SEGSERVE, SUCCESS, EndToEnd, segctl
 
 SMALL = ("--width", "160", "--height", "120")
 
@@ -51,6 +51,87 @@ class CommandLine(EndToEnd):
         self.assertEqual(done.stderr.decode(),
                          "segserve: unknown option --treads (did you mean --threads?); --workers: 'many' is no whole number; "
                          "--queue: -1 is negative, but must be a whole number of at least 0 (see segserve --help)\n")
+
+
+class CutOfAnotherCloud(EndToEnd):
+    """The number of points is the same for every frame of a camera: a saved result knows its cloud."""
+
+    def setUp(self):
+        self.scene, self.other = (self.synth("--seed", seed, *SMALL, name=f"{seed}.pcd") for seed in (1, 2))
+        self.output = self.path("cut.pcd")
+
+    def result(self, *arguments):
+        path = self.path("saved.segres")
+        self.run_well("segment", *arguments, "-q", "--result", path)
+        return path
+
+    def cut(self, result, cloud):
+        return "cut", result, "--regions", "5", "--cloud", cloud, "-o", self.output, "-q"
+
+    def test_is_refused_whatever_way_the_cloud_was_sent(self):
+        for way in (("--local",), ("--server", self.server.address), ("--server", self.server.address, "--codec", "pcd"),
+                    ("--server", self.server.address, "--codec", "quantised")):
+            with self.subTest(way=way):
+                result = self.result(self.scene, *way)
+                self.run_well(*self.cut(result, self.scene))
+                self.output.unlink()
+                line = self.run_badly(BAD_INPUT, *self.cut(result, self.other))
+                self.assertEqual(line, f"segctl: {self.other} is not the cloud that was segmented for {result}: it has as many "
+                                       "points, but other ones\n")
+                self.assertFalse(self.output.exists())
+                self.run_badly(BAD_INPUT, "cut", result, "--regions", "5", "--cloud", self.other, "--segments", "--json", "-")
+
+    def test_the_format_of_the_file_does_not_matter(self):
+        result, ply = self.result(self.scene, "--local"), self.path("same.ply")
+        self.run_well("segment", self.scene, "--local", "-q", "-o", ply, "--encoding", "ascii")
+        self.run_well(*self.cut(result, ply))
+        self.run_well(*self.cut(result, "-"), stdin=ply.read_bytes())
+
+    def test_images_have_a_cloud_too(self):
+        depth, color, cloud = self.path("depth.png"), self.path("color.jpg"), self.path("cloud.pcd")
+        said = self.run_well("synth", *SMALL, "--depth", depth, "--rgb", color).stdout.decode()
+        flags = said.split("segctl segment ")[1].split()
+        for way in (("--local",), ("--server", self.server.address)):
+            result = self.result(*flags, *way, "-o", cloud)
+            self.run_well(*self.cut(result, cloud))
+            self.run_badly(BAD_INPUT, *self.cut(result, self.other))
+
+    def test_other_colors_are_mentioned(self):
+        result, painted = self.result(self.scene, "--local"), self.path("painted.pcd")
+        self.run_well("segment", self.scene, "--local", "-q", "-o", painted, "--color", "segment")
+        done = segctl(*self.cut(result, painted))
+        self.assertEqual(done.returncode, SUCCESS)
+        self.assertEqual(done.stderr.decode(),
+                         f"segctl: {painted} has other colors than the cloud that was segmented\n")
+
+    def test_an_older_result_is_read_with_a_warning(self):
+        result = self.result(self.scene, "--local")
+        line, content = result.read_bytes().split(b"\n", 1)
+        words = line.split()
+        self.assertEqual(len(words), 6)
+        result.write_bytes(b" ".join([words[0], b"2", *words[2:4]]) + b"\n" + content)
+        done = segctl(*self.cut(result, self.scene))
+        self.assertEqual(done.returncode, SUCCESS)
+        self.assertRegex(done.stderr.decode(), r"\Asegctl: [^\n]* does not tell which cloud it belongs to[^\n]*\n\Z")
+        self.assertTrue(self.output.exists())
+
+
+class NoServer(EndToEnd):
+    def test_a_server_that_is_not_there_is_named_with_what_to_do(self):
+        scene, nobody = self.synth(*SMALL), "127.0.0.1:1"
+        said = f"segctl: no answer from {nobody}: Connection refused; is segserve running there?"
+        for command in (("health",), ("info",), ("bench", "--duration", "0.1", "--warm-up", "0")):
+            self.assertEqual(self.run_badly(FAILED, *command, "--server", nobody), said + "\n")
+        for command in (("segment", scene), ("segment", scene, "--out-dir", self.path("out"))):
+            self.assertEqual(self.run_badly(FAILED, *command, "--server", nobody), said + " --local works without\n")
+
+    def test_an_address_that_cannot_be_is_refused(self):
+        for address, said in (("127.0.0.1:99999", "the port of '127.0.0.1:99999' is no number from 1 to 65535"),
+                              ("127.0.0.1:0", "the port of '127.0.0.1:0' is no number from 1 to 65535"),
+                              ("robot:http", "the port of 'robot:http' is no number from 1 to 65535"),
+                              ("https://robot:50051", "is a URL; the address of a server is HOST:PORT")):
+            with self.subTest(address=address):
+                self.assertIn(said, self.run_badly(BAD_INPUT, "health", "--server", address))
 
 
 if __name__ == "__main__":

@@ -25,7 +25,7 @@ Result make_result(const Cloud& cloud) {
 }
 
 std::string saved() {
-  static const std::string kBytes = *encode_result_file(make_result(table_scene()));
+  static const std::string kBytes = *encode_result_file(make_result(table_scene()), fingerprint(table_scene()));
   return kBytes;
 }
 
@@ -75,7 +75,7 @@ TEST(ResultFile, BeginsWithTheDocumentedLine) {
   const std::size_t end = bytes.find('\n');
   ASSERT_NE(end, std::string::npos);
   const std::string size = std::to_string(bytes.size() - end - 1);
-  EXPECT_THAT(bytes.substr(0, end), testing::MatchesRegex("segserve-result 2 " + size + " [0-9a-f]{8}"));
+  EXPECT_THAT(bytes.substr(0, end), testing::MatchesRegex("segserve-result 3 " + size + "( [0-9a-f]{8}){3}"));
 }
 
 TEST(ResultFile, RefusesForeignFiles) {
@@ -87,8 +87,24 @@ TEST(ResultFile, RefusesForeignFiles) {
 
 TEST(ResultFile, RefusesOtherVersions) {
   std::string bytes = saved();
-  bytes.replace(bytes.find(" 2 "), 3, " 1 ");
+  bytes.replace(bytes.find(" 3 "), 3, " 1 ");
   EXPECT_THAT(refusal(bytes), HasSubstr("version '1'"));
+}
+
+TEST(ResultFile, TellsTheCloudThatWasSegmented) {
+  const auto print = fingerprint_in_result_file(saved());
+  ASSERT_TRUE(print.ok()) << print.status();
+  EXPECT_EQ(*print, fingerprint(table_scene()));
+  EXPECT_TRUE(absl::IsInvalidArgument(fingerprint_in_result_file("segserve-result 3 0 00000000 0\n").status()));
+}
+
+TEST(ResultFile, ReadsVersion2WhichTellsNoCloud) {
+  const std::string bytes = encode_result_file(make_result(table_scene())).value();
+  EXPECT_THAT(bytes, testing::StartsWith("segserve-result 2 "));
+  EXPECT_EQ(fingerprint_in_result_file(bytes).value(), std::nullopt);
+  const auto result = decode_result_file(bytes);
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->segmentation.labels, decode_result_file(saved())->segmentation.labels);
 }
 
 TEST(ResultFile, RefusesEveryTruncation) {
@@ -113,6 +129,10 @@ TEST(ResultFile, RefusesHeadersThatLie) {
   refusal("segserve-result 2 3 zz\nabc");
   refusal("segserve-result 2 3\nabc");
   refusal("segserve-result 2 0 00000000 more\n");
+  refusal("segserve-result 3 0 00000000\n");
+  refusal("segserve-result 3 0 00000000 12345678\n");
+  refusal("segserve-result 3 0 00000000 12345678 123456789\n");
+  refusal("segserve-result 3 0 00000000 12345678 12345678 more\n");
   EXPECT_THAT(refusal("segserve-result 2 0 00000000\n"),
               HasSubstr("damaged"));  // the header is well formed, but there is no result
 }
