@@ -2,6 +2,7 @@
 #include "client/segctl/batch.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <map>
 #include <span>
@@ -13,6 +14,7 @@
 #include "client/segctl/batch_progress.hpp"
 #include "client/segctl/batch_report.hpp"
 #include "client/segctl/input_file.hpp"
+#include "client/segctl/interrupt.hpp"
 #include "client/segctl/summary.hpp"
 #include "client/segctl/view_flag.hpp"
 #include "core/base/mutex.hpp"
@@ -44,6 +46,12 @@ class SentScenes {
     const MutexLock lock(mutex_);
     return std::move(scenes_.extract(sequence).mapped());
   }
+  std::vector<std::uint64_t> sequences() ABSL_LOCKS_EXCLUDED(mutex_) {
+    const MutexLock lock(mutex_);
+    std::vector<std::uint64_t> sequences;
+    for (const auto& [sequence, scene] : scenes_) sequences.push_back(sequence);
+    return sequences;
+  }
 
  private:
   Mutex mutex_;
@@ -72,7 +80,7 @@ class Batch {
   void skip_what_is_done();
   void run_here();
   void run_remotely();
-  std::vector<FileOutcome> outcomes() { return progress_.finish(); }
+  absl::Status report() { return report_batch(job_, progress_.finish(), progress_.stopped()); }
 
  private:
   absl::StatusOr<Scene> load(std::size_t file) const;
@@ -80,12 +88,18 @@ class Batch {
   absl::Status write(Scene& scene, const client::Result& result) const;
   /// Writes the outputs of a result and records the outcome.
   void complete(Scene scene, const absl::StatusOr<client::Result>& result);
+  /// Records why a file has no result, unless that is why the batch stops.
+  void fail(std::size_t file, const absl::Status& status);
+  /// Stops the batch if a signal has come; returns whether it has.
+  bool is_interrupted();
 
   client::StreamOptions stream_options() const;
   void send_all(client::Stream& stream);
   /// Loads a file and sends it as the frame `sequence`.
   absl::Status send(std::size_t file, std::uint64_t sequence, client::Stream& stream);
+  void receive(client::Outcome outcome);
 
+  const Interrupt interrupt_;
   const BatchJob& job_;
   const std::string key_;
   BatchProgress progress_;
@@ -122,9 +136,19 @@ absl::Status Batch::write(Scene& scene, const client::Result& result) const {
   return output.commit();
 }
 
+bool Batch::is_interrupted() {
+  if (interrupt_.came()) progress_.stop(absl::CancelledError());
+  return interrupt_.came();
+}
+
+void Batch::fail(std::size_t file, const absl::Status& status) {
+  if (client::is_outage(status)) return progress_.stop(status);
+  if (!absl::IsCancelled(status) || !is_interrupted()) progress_.record_failure(file, status);
+}
+
 void Batch::complete(Scene scene, const absl::StatusOr<client::Result>& result) {
   const absl::Status status = result.ok() ? write(scene, *result) : result.status();
-  if (!status.ok()) return progress_.record_failure(scene.file, status);
+  if (!status.ok()) return fail(scene.file, status);
   progress_.record(scene.file, {FileOutcome::State::kSegmented,
                                 result->points,
                                 result->segmentation.segments,
@@ -136,16 +160,15 @@ void Batch::complete(Scene scene, const absl::StatusOr<client::Result>& result) 
 /// Segments the points as they are or, with a codec, as a server would see them.
 absl::StatusOr<client::Result> Batch::segment_here(const codec::LabeledCloud& content) const {
   const wire::Outputs outputs{.segments = job_.request.segments};
+  const Options options = codec::to_cloud(content.placement, job_.request.options);
+  const StopToken stop(&interrupt_.flag());
   if (!job_.request.codec) {
-    const Options options = codec::to_cloud(content.placement, job_.request.options);
-    ASSIGN_OR_RETURN(auto result,
-                     client::segment_here(content.cloud, content.view_rule, options, outputs, StopToken()));
+    ASSIGN_OR_RETURN(auto result, client::segment_here(content.cloud, content.view_rule, options, outputs, stop));
     take_file_facts(content, result);
     return result;
   }
   ASSIGN_OR_RETURN(const auto payload, client::cloud_payload(content.cloud, *job_.request.codec));
-  const Options options = codec::to_cloud(content.placement, job_.request.options);
-  ASSIGN_OR_RETURN(auto result, client::segment_here(payload, options, outputs, StopToken()));
+  ASSIGN_OR_RETURN(auto result, client::segment_here(payload, options, outputs, stop));
   take_file_facts(content, result);
   return result;
 }
@@ -154,7 +177,9 @@ void Batch::run_here() {
   std::vector<std::thread> threads;
   for (std::size_t i = 0; i < std::min(job_.parallel, job_.inputs.size()); ++i) {
     threads.emplace_back([this] {
-      while (const auto file = progress_.take_next()) {
+      while (!is_interrupted()) {
+        const auto file = progress_.take_next();
+        if (!file) return;
         auto scene = load(*file);
         if (!scene.ok()) {
           progress_.record_failure(*file, scene.status());
@@ -188,7 +213,7 @@ void Batch::send_all(client::Stream& stream) {
     if (status.ok()) {
       ++sequence;
     } else {
-      progress_.record_failure(*file, status);
+      fail(*file, status);
     }
   }
   stream.finish();
@@ -214,16 +239,19 @@ void Batch::run_remotely() {
     return;
   }
   std::thread sender([&] { send_all(*stream); });
-  while (auto outcome = stream->next()) {
-    Scene scene = sent_.take(outcome->sequence);
-    if (outcome->result) {
-      take_file_facts(scene.content, *outcome->result);
-      complete(std::move(scene), *std::move(outcome->result));
-    } else {
-      progress_.record_failure(scene.file, outcome->status);
-    }
+  constexpr std::chrono::milliseconds kPatience{100};  // until it looks whether a signal has come
+  while (!stream->done()) {
+    if (auto outcome = stream->next(kPatience)) receive(*std::move(outcome));
+    if (is_interrupted()) std::ranges::for_each(sent_.sequences(), [&](auto frame) { stream->cancel(frame); });
   }
   sender.join();
+}
+
+void Batch::receive(client::Outcome outcome) {
+  Scene scene = sent_.take(outcome.sequence);
+  if (!outcome.result) return fail(scene.file, outcome.status);
+  take_file_facts(scene.content, *outcome.result);
+  complete(std::move(scene), *std::move(outcome.result));
 }
 
 }  // namespace
@@ -236,7 +264,7 @@ absl::Status run_batch(const BatchJob& job) {
   } else {
     batch.run_here();
   }
-  return report_batch(job, batch.outcomes());
+  return batch.report();
 }
 
 }  // namespace segserve::segctl

@@ -30,7 +30,9 @@ struct BatchJob {
 
 /// Segments every file whose output is not there yet. Each output appears whole or not at all, so that a run that was
 /// stopped goes on where it was. A file that fails stops no other: errors are listed at the end. The status is OK if
-/// no file failed, and INVALID_ARGUMENT if every failure was the fault of the file.
+/// no file failed, and INVALID_ARGUMENT if every failure was the fault of the file. SIGINT and SIGTERM stop the batch
+/// (CANCELLED), and so does an outage of all servers (UNAVAILABLE, StreamOptions::longest_outage); files that were not
+/// done then are neither failed nor half-written.
 absl::Status run_batch(const BatchJob& job);
 
 }  // namespace segserve::segctl

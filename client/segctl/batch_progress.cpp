@@ -17,11 +17,21 @@ void BatchProgress::record_failure(std::size_t file, absl::Status status) {
 
 std::optional<std::size_t> BatchProgress::take_next() {
   const MutexLock lock(mutex_);
-  while (next_ < outcomes_.size()) {
+  while (stopped_.ok() && next_ < outcomes_.size()) {
     const std::size_t file = next_++;
     if (outcomes_[file].state == FileOutcome::State::kOpen) return file;
   }
   return std::nullopt;
+}
+
+void BatchProgress::stop(absl::Status why) {
+  const MutexLock lock(mutex_);
+  if (stopped_.ok()) stopped_ = std::move(why);
+}
+
+absl::Status BatchProgress::stopped() {
+  const MutexLock lock(mutex_);
+  return stopped_;
 }
 
 std::vector<FileOutcome> BatchProgress::finish() {

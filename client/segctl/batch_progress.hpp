@@ -15,7 +15,7 @@ namespace segserve::segctl {
 
 /// The outcome of one file of a batch.
 struct FileOutcome {
-  enum class State { kOpen, kSkipped, kSegmented, kFailed };
+  enum class State { kOpen, kSkipped, kSegmented, kFailed };  ///< kOpen: the batch was stopped before it was done.
   State state = State::kOpen;
   std::size_t points = 0;                     ///< Skipped and segmented files only.
   std::uint32_t segments = 0;                 ///< Skipped and segmented files only.
@@ -35,6 +35,11 @@ class BatchProgress {
   /// The next file without an outcome. No file is handed out twice.
   std::optional<std::size_t> take_next() ABSL_LOCKS_EXCLUDED(mutex_);
 
+  /// Hands out no more files. The first reason counts.
+  void stop(absl::Status why) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Why it was stopped, or OK.
+  absl::Status stopped() ABSL_LOCKS_EXCLUDED(mutex_);
+
   /// Wipes the progress bar and returns the outcome of every file. Call it once, after all threads have ended.
   std::vector<FileOutcome> finish() ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -44,6 +49,7 @@ class BatchProgress {
   std::vector<FileOutcome> outcomes_ ABSL_GUARDED_BY(mutex_);
   std::size_t next_ ABSL_GUARDED_BY(mutex_) = 0;
   std::size_t recorded_ ABSL_GUARDED_BY(mutex_) = 0;
+  absl::Status stopped_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace segserve::segctl

@@ -26,36 +26,54 @@ const char* name_of(State state) {
       return "segmented";
     case State::kSkipped:
       return "skipped";
+    case State::kOpen:
+      return "unfinished";
     default:
       return "failed";
   }
 }
 
 Json to_json(const BatchInput& input, const FileOutcome& outcome) {
-  const bool has_output = outcome.state != State::kFailed;
+  const bool has_output = outcome.state == State::kSegmented || outcome.state == State::kSkipped;
   return {{"input", input.path},
           {"state", name_of(outcome.state)},
           {"output", has_output ? Json(input.cloud_path) : Json()},
           {"points", has_output ? Json(outcome.points) : Json()},
           {"segments", has_output ? Json(outcome.segments) : Json()},
           {"warnings", warnings_json(outcome.warnings)},
-          {"error", has_output ? Json() : Json(message_of(outcome.status))}};
+          {"error", outcome.status.ok() ? Json() : Json(message_of(outcome.status))}};
+}
+
+std::size_t count(const std::vector<FileOutcome>& outcomes, State state) {
+  return static_cast<std::size_t>(std::ranges::count(outcomes, state, &FileOutcome::state));
+}
+
+std::string counts_text(const std::vector<FileOutcome>& outcomes) {
+  std::string text = fmt::format("{} segmented, {} done before, {} failed", count(outcomes, State::kSegmented),
+                                 count(outcomes, State::kSkipped), count(outcomes, State::kFailed));
+  if (const std::size_t open = count(outcomes, State::kOpen); open > 0) text += fmt::format(", {} not done", open);
+  return text + "\n";
+}
+
+/// Why a batch that was stopped was stopped, how far it is, and that it can go on.
+absl::Status stopped_status(const std::vector<FileOutcome>& outcomes, const absl::Status& stopped) {
+  const std::size_t done = count(outcomes, State::kSegmented) + count(outcomes, State::kSkipped);
+  const std::size_t failed = count(outcomes, State::kFailed);
+  const std::string reason = message_of(stopped);
+  return {stopped.code(), fmt::format("{}{}{} of {} done{}; run again to go on", reason, reason.empty() ? "" : ": ",
+                                      done, outcomes.size(), failed > 0 ? fmt::format(", {} failed", failed) : "")};
 }
 
 }  // namespace
 
-absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& outcomes) {
+absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& outcomes, const absl::Status& stopped) {
   if (job.client && std::ranges::any_of(outcomes, &FileOutcome::in_this_process)) warn_of_fallback(job.server);
   StagedOutput output;
   RETURN_IF_ERROR(job.json->announce(output));
   std::string lines;
   for (std::size_t i = 0; i < outcomes.size(); ++i) lines += json_text(to_json(job.inputs[i], outcomes[i]));
   job.json->add(output, lines);
-  const auto count = [&](State state) { return std::ranges::count(outcomes, state, &FileOutcome::state); };
-  if (!job.quiet && !output.uses_stdout()) {
-    output.add("-", fmt::format("{} segmented, {} done before, {} failed\n", count(State::kSegmented),
-                                count(State::kSkipped), count(State::kFailed)));
-  }
+  if (!job.quiet && !output.uses_stdout()) output.add("-", counts_text(outcomes));
   RETURN_IF_ERROR(output.commit());
   for (std::size_t i = 0; i < outcomes.size() && !job.quiet; ++i) {
     for (const codec::Warning& warning : outcomes[i].warnings) {
@@ -69,8 +87,10 @@ absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& o
     print_error(fmt::format("{}: {}", job.inputs[i].path, message_of(outcomes[i].status)));
     only_bad_input = only_bad_input && exit_code(outcomes[i].status) == kBadInput;
   }
-  if (count(State::kFailed) == 0) return absl::OkStatus();
-  const std::string message = fmt::format("{} of {} files failed", count(State::kFailed), outcomes.size());
+  if (count(outcomes, State::kOpen) > 0) return stopped_status(outcomes, stopped);
+  const std::size_t failed = count(outcomes, State::kFailed);
+  if (failed == 0) return absl::OkStatus();
+  const std::string message = fmt::format("{} of {} files failed", failed, outcomes.size());
   return only_bad_input ? absl::InvalidArgumentError(message) : absl::UnavailableError(message);
 }
 

@@ -11,6 +11,8 @@ ExitCode exit_code(const absl::Status& status) {
     case absl::StatusCode::kOutOfRange:
     case absl::StatusCode::kNotFound:
       return kBadInput;
+    case absl::StatusCode::kCancelled:
+      return kInterrupted;
     default:
       return kFailed;
   }

@@ -48,10 +48,12 @@ Lossy codecs move points by at most their error bound. The labels still come bac
 --local and a codec, the points are segmented as a server would see them.
 
 With --out-dir, a file that fails stops no other; errors are listed at the end, one a line. The exit code is then 2 if
-every file that failed was bad input, else 1.)";
+every file that failed was bad input, else 1. Ctrl-C stops the rest, and so do servers that are all out of reach for 10 s
+(or half of --timeout, if that is less). The same command goes on from there.)";
 
 constexpr const char* kExitCodes =
-    "0 success; 1 the operation failed (server unreachable, deadline exceeded, disk full); 2 bad input or usage.";
+    "0 success; 1 the operation failed (server unreachable, deadline exceeded, disk full); 2 bad input or usage;\n"
+    "130 Ctrl-C stopped a batch.";
 
 HelpText help() {
   return {.common = {"--method", "--threshold", "--regions", "--range-max", "--support-plane-distance", "--view",

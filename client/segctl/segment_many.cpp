@@ -2,6 +2,7 @@
 #include "client/segctl/segment_many.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <system_error>
@@ -16,6 +17,7 @@ namespace segserve::segctl {
 namespace {
 
 constexpr std::size_t kDefaultParallel = 4;
+constexpr std::chrono::seconds kLongestOutage{10};
 
 absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   ASSIGN_OR_RETURN(job.client, arguments.server.connect(arguments.fallback_local));
@@ -29,6 +31,8 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   job.stream.outputs.compression = answer_compression(job.request.codec);
   job.stream.fallback_to_local = arguments.fallback_local;
   job.stream.frame_timeout = *arguments.server.timeout();
+  // Without this limit, every file would wait for its timeout before it fails.
+  job.stream.longest_outage = std::min<std::chrono::milliseconds>(kLongestOutage, job.stream.frame_timeout / 2);
   return absl::OkStatus();
 }
 

@@ -18,6 +18,7 @@ std::vector<FieldViolation> violations(const StreamOptions& options) {
   in_range("max_waiting", static_cast<std::int64_t>(options.max_waiting), 1, kMostFrames);
   in_range("frame_timeout", options.frame_timeout.count(), 1, kDay);
   in_range("progress_timeout", options.progress_timeout.count(), 2, kDay);
+  in_range("longest_outage", options.longest_outage.count(), 0, kDay);
   in_range("retry.max_attempts", options.retry.max_attempts, 1, 1'000'000);
   in_range("retry.first_backoff", options.retry.first_backoff.count(), 1, kDay);
   in_range("retry.max_backoff", options.retry.max_backoff.count(), options.retry.first_backoff.count(), kDay);

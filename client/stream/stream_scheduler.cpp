@@ -14,6 +14,14 @@ namespace segserve::client {
 
 using State = QueuedFrame::State;
 
+namespace {
+
+constexpr const char* kOutageKey = "segserve.client/outage";
+
+}  // namespace
+
+bool is_outage(const absl::Status& status) { return status.GetPayload(kOutageKey).has_value(); }
+
 StreamScheduler::StreamScheduler(StreamOptions options, std::vector<std::string> addresses, std::size_t first_address,
                                  std::uint32_t seed)
     : options_(std::move(options)),
@@ -71,11 +79,29 @@ StreamScheduler::Tick StreamScheduler::tick(Time now) {
   } else {
     if (finished_sending_ && frames_.unfinished() == 0) links_.end_all();
     wake_no_later_than(links_.check_silence(now));
+    wake_no_later_than(check_outage(now));
     const bool needs_server = fatal_.ok() && (!finished_sending_ || frames_.waiting() > 0);
     if (needs_server) wake_no_later_than(links_.open_if_needed(now));
   }
   wake_no_later_than(frames_.next_change(now));
   return {.actions = links_.take_actions(), .wake_at = wake_at};
+}
+
+std::optional<Time> StreamScheduler::check_outage(Time now) {
+  const bool may_end = options_.longest_outage.count() > 0 && !options_.fallback_to_local && fatal_.ok();
+  if (!may_end || !links_.out_of_reach() || frames_.sent() > 0) {
+    outage_began_.reset();
+    return std::nullopt;
+  }
+  if (!outage_began_) outage_began_ = now;
+  const Time end = *outage_began_ + options_.longest_outage;
+  if (now < end) return end;
+  const double seconds = std::chrono::duration<double>(options_.longest_outage).count();
+  fatal_ = absl::UnavailableError(
+      fmt::format("no server has been in reach for {:g} s ({})", seconds, std::string(links_.last_error().message())));
+  fatal_.SetPayload(kOutageKey, absl::Cord());
+  frames_.end_all(OutcomeKind::kFailed, fatal_, now);
+  return std::nullopt;
 }
 
 QueuedFrame* StreamScheduler::next_in_time(Time now) {

@@ -92,6 +92,8 @@ class StreamScheduler {
   /// The next frame to send, null if there is none. Frames that would come too late, judged by how long the last ones
   /// took, end instead if others wait: a server that is behind would otherwise be late with all of them.
   QueuedFrame* next_in_time(Time now);
+  /// Ends the stream if no server was in reach for too long. Returns when to call again, if ever.
+  std::optional<Time> check_outage(Time now);
   void on_event(ServerLink& link, StreamProtocol::Event& event, Time now);
   void on_outcome(ServerLink& link, StreamProtocol::Event& event, Time now);
   void on_failed_frame(QueuedFrame& frame, const absl::Status& status, Time now);
@@ -103,7 +105,8 @@ class StreamScheduler {
   std::minstd_rand random_;
   bool finished_sending_ = false;
   bool closed_ = false;
-  absl::Status fatal_;  // why no server will ever take a frame of this stream
+  std::optional<Time> outage_began_;  // unset: a server is in reach, or still computes frames of this stream
+  absl::Status fatal_;                // why no server will ever take a frame of this stream
 };
 
 }  // namespace segserve::client

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """What newcomers get wrong is told in one line that says what to do."""
+import json
+import shutil
+import signal
 import subprocess
+import time
 import unittest
 
-from harness import BAD_INPUT, FAILED, SEGSERVE, SUCCESS, EndToEnd, segctl
+from harness import BAD_INPUT, FAILED, SEGCTL, SEGSERVE, SUCCESS, EndToEnd, Server, segctl
 
 SMALL = ("--width", "160", "--height", "120")
 
@@ -132,6 +136,72 @@ class NoServer(EndToEnd):
                               ("https://robot:50051", "is a URL; the address of a server is HOST:PORT")):
             with self.subTest(address=address):
                 self.assertIn(said, self.run_badly(BAD_INPUT, "health", "--server", address))
+
+
+class StoppedBatch(EndToEnd):
+    """What was done stays whole, the rest is not there, and the same command goes on."""
+
+    FILES = 24
+
+    def setUp(self):
+        self.inputs, self.outputs = self.path("in"), self.path("out")
+        self.inputs.mkdir()
+        scene = self.synth(*SMALL)
+        for i in range(self.FILES):
+            shutil.copy(scene, self.inputs / f"{i:02}.pcd")
+
+    def start(self, *where):
+        return subprocess.Popen([SEGCTL, "segment", self.inputs, "--out-dir", self.outputs, "--parallel", "1", *where],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+    def wait_for_an_output(self, process):
+        while not list(self.outputs.glob("*.json")):
+            self.assertIsNone(process.poll(), "the batch ended early")
+            time.sleep(0.002)
+
+    def check(self, process, exit_code, reason):
+        stdout, stderr = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, exit_code, stderr)
+        done = len(list(self.outputs.glob("*.json")))
+        self.assertLess(done, self.FILES)
+        self.assertRegex(stderr.decode(), rf"\Asegctl: {reason}{done} of {self.FILES} done; run again to go on\n\Z")
+        self.assertEqual(stdout.decode(), f"{done} segmented, 0 done before, 0 failed, {self.FILES - done} not done\n")
+        names = {path.name for path in self.outputs.iterdir()}
+        self.assertEqual(names, {f"{path.stem}{kind}" for path in self.outputs.glob("*.json") for kind in (".pcd", ".json")})
+        again = self.run_well("segment", self.inputs, "--out-dir", self.outputs, "--local").stdout.decode()
+        self.assertEqual(again, f"{self.FILES - done} segmented, {done} done before, 0 failed\n")
+
+    def test_ctrl_c_stops_a_batch_between_two_files(self):
+        for number, name in ((signal.SIGINT, "int"), (signal.SIGTERM, "term")):
+            for where in (("--local",), ("--server", self.server.address)):
+                with self.subTest(signal=name, where=where):
+                    process = self.start(*where)
+                    self.wait_for_an_output(process)
+                    process.send_signal(number)
+                    self.check(process, 130, "")
+                    shutil.rmtree(self.outputs)
+
+    def test_a_server_that_is_gone_stops_a_batch(self):
+        server = Server(self.folder)
+        self.addCleanup(server.close)
+        process = self.start("--server", server.address, "--timeout", "4")
+        self.wait_for_an_output(process)
+        server.close()
+        began = time.monotonic()
+        self.check(process, FAILED, rf"no server has been in reach for 2 s \(no answer from {server.address}: [^\n]*\): ")
+        self.assertLess(time.monotonic() - began, 30)
+
+    def test_what_was_not_done_is_told_in_json(self):
+        process = self.start("--local", "--json", "-")
+        self.wait_for_an_output(process)
+        process.send_signal(signal.SIGINT)
+        lines = [json.loads(line) for line in process.communicate(timeout=60)[0].splitlines()]
+        self.assertEqual(len(lines), self.FILES)
+        unfinished = [line for line in lines if line["state"] != "segmented"]
+        self.assertGreater(len(unfinished), 0)
+        for line in unfinished:
+            self.assertEqual([line[key] for key in ("state", "output", "points", "segments", "error")],
+                             ["unfinished", None, None, None, None])
 
 
 if __name__ == "__main__":

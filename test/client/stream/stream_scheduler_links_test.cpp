@@ -40,6 +40,62 @@ TEST(StreamScheduler, WithOneAddressItWaitsBeforeItTriesAgain) {
   EXPECT_EQ(stream.connections_.size(), 2U);
 }
 
+TEST(StreamScheduler, ALongOutageEndsTheStream) {
+  StreamHarness stream({.max_waiting = 3, .frame_timeout = milliseconds(60'000), .longest_outage = milliseconds(4000)},
+                       {"a"});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.close(absl::UnavailableError("gone"));
+  for (int seconds = 0; seconds < 3; ++seconds) stream.pass(milliseconds(1000));
+  stream.open();  // that was short enough
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.pass(milliseconds(1000));
+  stream.close(absl::UnavailableError("gone again"));
+  stream.act();
+  stream.pass(milliseconds(3999));
+  EXPECT_TRUE(stream.taken().empty());
+  EXPECT_EQ(stream.scheduler_.admission(), StreamScheduler::Admission::kOpen);
+  stream.pass(milliseconds(1));
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+  EXPECT_TRUE(absl::IsUnavailable(stream.last_.status));
+  EXPECT_TRUE(is_outage(stream.last_.status));
+  EXPECT_EQ(stream.last_.status.message(), "no server has been in reach for 4 s (gone again)");
+  EXPECT_EQ(stream.scheduler_.admission(), StreamScheduler::Admission::kRefused);
+  EXPECT_TRUE(is_outage(stream.scheduler_.refusal()));
+  EXPECT_TRUE(stream.scheduler_.exhausted());
+}
+
+TEST(StreamScheduler, AServerThatDrainsIsNoOutageWhileItComputes) {
+  StreamHarness stream({.frame_timeout = milliseconds(60'000), .longest_outage = milliseconds(4000)}, {"a"});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  const auto old = stream.connections_.back();
+  Response draining;
+  draining.mutable_draining();
+  stream.answer(draining);
+  for (int seconds = 0; seconds < 20; ++seconds) {
+    stream.pass(milliseconds(1000));
+    if (stream.connections_.back() != old) stream.close(absl::UnavailableError("not yet"));
+    stream.scheduler_.on_sign_of_life(old, stream.now_);
+  }
+  stream.answer(StreamHarness::outcome(1, v1::OUTCOME_KIND_RESULT), old);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult)));
+  stream.pass(milliseconds(3000));
+  EXPECT_EQ(stream.scheduler_.admission(), StreamScheduler::Admission::kOpen);
+}
+
+TEST(StreamScheduler, WithoutALimitAnOutageMayLast) {
+  StreamHarness stream({.frame_timeout = milliseconds(86'400'000)}, {"a"});
+  stream.send();
+  for (int hours = 0; hours < 20; ++hours) {
+    stream.pass(std::chrono::hours(1));
+    stream.close(absl::UnavailableError("gone"));
+  }
+  EXPECT_TRUE(stream.taken().empty());
+}
+
 TEST(StreamScheduler, ADrainingServerKeepsWhatItHasAndGetsNothingNew) {
   StreamHarness stream({.max_waiting = 5});
   stream.open();

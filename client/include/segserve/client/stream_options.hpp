@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "segserve/client/frame.hpp"
 #include "segserve/wire/codec.hpp"
 #include "segserve/wire/outputs.hpp"
@@ -67,6 +68,9 @@ struct StreamOptions {
   /// When no address is in reach: true, frames wait until one is or their time is over; false, they fail with
   /// UNAVAILABLE.
   bool wait_for_server = true;
+  /// When no address has been in reach for this long, up to a day, all unfinished frames fail with a status that
+  /// is_outage() knows, and the stream takes no more; 0: never. It has no meaning with `fallback_to_local`.
+  std::chrono::milliseconds longest_outage{0};
   /// Whether frames are segmented in this process, by the same core, when no address is in reach.
   bool fallback_to_local = false;
 
@@ -74,6 +78,10 @@ struct StreamOptions {
   /// time, which delays no deadline, and may call send(). It must not destroy the stream and must not throw.
   std::function<void(Outcome)> on_outcome = nullptr;
 };
+
+/// Whether a frame failed, or was not taken, because of StreamOptions::longest_outage. The code of the status is
+/// UNAVAILABLE.
+bool is_outage(const absl::Status& status);
 
 /// All faults, with the name of each field; empty if there is none.
 std::vector<FieldViolation> violations(const StreamOptions& options);
