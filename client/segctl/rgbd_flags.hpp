@@ -2,15 +2,17 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "CLI/CLI.hpp"
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "segserve/codec/rgbd_encode.hpp"
 
 namespace segserve::segctl {
 
-/// The flags --depth, --rgb, --intrinsics and --depth-scale: a pair of images as input. It must outlive the parsing of
-/// the command line.
+/// The flags --depth, --rgb, --intrinsics, --rgb-intrinsics, --depth-scale and --depth-unit: a pair of images as input.
+/// It must outlive the parsing of the command line.
 class RgbdFlags {
  public:
   void add_to(CLI::App& app);
@@ -18,17 +20,24 @@ class RgbdFlags {
   /// Whether any of the flags was given.
   bool given() const;
   /// The name of the input in messages.
-  std::string input_name() const { return depth_path_; }
+  std::string input_name() const;
 
-  /// The bytes of the files. INVALID_ARGUMENT if a flag is missing or wrong; other errors as read_input.
+  /// The bytes of the files. TIFF becomes PGM, PFM or PPM, which servers read. INVALID_ARGUMENT if a flag is missing or
+  /// wrong, or a TIFF is broken; other errors as read_input.
   absl::StatusOr<codec::RgbdFiles> load() const;
 
+  /// An error of codec::decode_rgbd, here or in a server, with the name of the file before it if it is about one of the
+  /// images.
+  absl::Status with_file_name(const absl::Status& status) const;
+
  private:
-  absl::StatusOr<codec::Intrinsics> intrinsics() const;
+  absl::StatusOr<double> depth_scale(std::string_view depth) const;
 
   std::string depth_path_;
   std::string color_path_;
   std::string intrinsics_;
+  std::string color_intrinsics_;
+  std::string depth_unit_;
   double depth_scale_ = 0;
   CLI::Option* depth_scale_option_ = nullptr;
 };

@@ -39,7 +39,8 @@ box or the range leaves out, or that are removed with the support plane get labe
 
 Without --view, the file and its points tell where the sensor is: points on the rays of a camera's pixels are seen by
 the camera, points on the rings of a LiDAR from the origin, others from VIEWPOINT if a PCD file has one that is not
-(0, 0, 0). The summary says what was taken, and why. Images are seen by the camera.
+(0, 0, 0). The summary says what was taken, and why. Images are seen by the camera; their depth is in
+millimeters if it has integers, and in meters if it has floats, unless --depth-unit or --depth-scale says otherwise.
 
 Coordinates far from the origin, such as UTM, are moved near it before they become floats. Outputs, centroids and boxes
 are in the file's coordinates and unit again; all lengths on the command line are in meters.
@@ -79,12 +80,13 @@ struct Job {
   SegmentRequest request;
 };
 
-absl::StatusOr<codec::LabeledCloud> decode(const Job& job) {
+absl::StatusOr<codec::LabeledCloud> decode(const SegmentArguments& arguments, const Job& job) {
   auto scene = job.file_bytes
                    ? codec::decode_cloud(std::as_bytes(std::span(*job.file_bytes)), {}, job.request.read_options())
                    : client::decode(*job.payload);
-  if (!scene.ok()) return with_prefix(job.input, scene.status());
-  return scene;
+  if (scene.ok()) return scene;
+  if (arguments.rgbd.given()) return arguments.rgbd.with_file_name(scene.status());
+  return with_prefix(job.input, scene.status());
 }
 
 absl::Status read_files(const SegmentArguments& arguments, Job& job) {
@@ -125,6 +127,7 @@ absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& argument
   auto result = job.payload
                     ? client.segment_payload(*job.payload, job.request.options, call)
                     : client.segment(job.scene->cloud, codec::to_cloud(job.scene->placement, job.request.options), call);
+  if (!result.ok() && arguments.rgbd.given()) return arguments.rgbd.with_file_name(or_locally(result.status()));
   if (!result.ok()) return or_locally(result.status());
   if (!job.payload) take_file_facts(*job.scene, *result);
   return result;
@@ -178,7 +181,7 @@ absl::Status segment_one(const SegmentArguments& arguments) {
   auto start = std::chrono::steady_clock::now();
   const bool needs_points = arguments.scene_output.wanted() || !arguments.result_path.empty();
   if (arguments.local || !job.payload || needs_points) {
-    ASSIGN_OR_RETURN(job.scene, decode(job));
+    ASSIGN_OR_RETURN(job.scene, decode(arguments, job));
   }
   const double decode_ms = milliseconds_since(start);
 

@@ -48,8 +48,8 @@ OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud);
 v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view,
                          codec::LengthUnit unit = codec::LengthUnit::kMeter);
 
-/// The message that holds the images of an RGB-D camera. It has the shape of the depth image, or none if that is not a
-/// PNG file.
+/// The message that holds the images of an RGB-D camera. It has the shape of the depth image, or none if that is of no
+/// known format.
 v1::Cloud to_rgbd_message(codec::RgbdFiles images);
 
 /// All faults of the fields around the payload, with paths such as "cloud.view". The payload's bytes are not read.

@@ -137,6 +137,28 @@ class Cases(EndToEnd):
                 self.assertEqual(info["unit"]["guess"], "mm" if "millimetres" in path.name else "m")
                 self.assertIn(path.name, self.run_well("info", path).stdout)
 
+    def images_told(self, *flags):
+        """What a local run tells of images; a server tells the same."""
+        local, remote = (json.loads(self.run_well("segment", *flags, *where, "--json", "-").stdout)
+                         for where in (("--local",), ("--server", self.server.address)))
+        for key in ("segment_points", "finite", "warnings"):
+            self.assertEqual(local[key], remote[key])
+        return local
+
+    def test_65535_is_no_depth(self):
+        told = self.images_told("--depth", CASES / "rgbd_invalid_65535.depth.png", "--intrinsics", "150,150,59.5,44.5")
+        self.assertEqual(told["segment_points"], [7775, 1081])
+        self.assertEqual(told["finite"], 7775 + 1081)
+        self.assertEqual([warning["reason"] for warning in told["warnings"]], ["POINTS_NOT_USED"])
+        self.assertIn("65535", told["warnings"][0]["message"])
+
+    def test_a_jpeg_with_stray_bytes_is_used(self):
+        told = self.images_told("--depth", CASES / "rgbd_low_resolution.depth.png", "--intrinsics", "131,131,79.5,59.5",
+                                "--rgb", CASES / "rgbd_extraneous_bytes.color.jpg", "--voxel-resolution", "0.012")
+        self.assertEqual(told["segments"], 2)
+        self.assertEqual([warning["reason"] for warning in told["warnings"]], ["IMAGE_DAMAGED"])
+        self.assertIn("all pixels are there", told["warnings"][0]["message"])
+
 
 if __name__ == "__main__":
     unittest.main()

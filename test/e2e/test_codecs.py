@@ -38,6 +38,14 @@ def organized_pcd(depth, colors):
     return header + "".join(rows).encode()
 
 
+def tiff(width, height, bits, kind, pixels):
+    """A TIFF of one strip; `kind` is 1 for unsigned integers and 3 for floats."""
+    tags = [(256, width), (257, height), (258, bits), (259, 1), (262, 1), (273, 8), (277, 1), (278, height),
+            (279, width * height * bits // 8), (339, kind)]
+    entries = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags)
+    return b"II*\0" + struct.pack("<I", 8 + len(pixels)) + pixels + struct.pack("<H", len(tags)) + entries + b"\0\0\0\0"
+
+
 class Codecs(EndToEnd):
     server_flags = ("--enable-draco",)
 
@@ -92,17 +100,79 @@ class Images(EndToEnd):
         self.assertEqual(told["segments"], 2)
         self.assertEqual(labels, self.segment_images("--depth-scale", "0.0005", where=("--local",))[0])
 
+    def labels_of(self, name, content, *flags):
+        """The labels of the scene whose depth is in another file, which are the same here and in a server."""
+        self.depth = self.path(name)
+        self.depth.write_bytes(content)
+        labels, _ = self.segment_images("--rgb", self.rgb, *flags)
+        self.assertEqual(labels, self.segment_images("--rgb", self.rgb, *flags, where=("--local",))[0])
+        return labels
+
+    def test_depth_of_every_kind_gives_the_same(self):
+        expected, told = self.segment_images("--rgb", self.rgb)
+        self.assertEqual(told["warnings"], [])
+        count = len(self.values)
+        big, little = struct.pack(f">{count}H", *self.values), struct.pack(f"<{count}H", *self.values)
+        rows = [self.values[row * WIDTH:(row + 1) * WIDTH] for row in range(HEIGHT)]
+        floats = [value * 0.001 for row in reversed(rows) for value in row]
+        size = f"{WIDTH} {HEIGHT}\n".encode()
+        self.assertEqual(self.labels_of("d.pgm", b"P5\n" + size + b"65535\n" + big), expected)
+        text = " ".join(map(str, self.values)).encode()
+        self.assertEqual(self.labels_of("text.pgm", b"P2\n# a camera\n" + size + b"1200\n" + text), expected)
+        self.assertEqual(self.labels_of("d.tif", tiff(WIDTH, HEIGHT, 16, 1, little)), expected)
+        self.assertEqual(self.labels_of("d.png", self.png_depth(), "--depth-unit", "mm"), expected)
+        meters = [value * 0.001 if value else float("nan") for value in self.values]
+        from_floats = self.labels_of("d.pfm", b"Pf\n" + size + b"-1\n" + struct.pack(f"<{count}f", *floats))
+        self.assertEqual(from_floats, self.labels_of("f.tif", tiff(WIDTH, HEIGHT, 32, 3, struct.pack(f"<{count}f", *meters))))
+        self.assertEqual([label != 0 for label in from_floats], [value != 0 for value in self.values])
+        in_units = [float(value) for value in self.values]
+        self.assertEqual(self.labels_of("mm.tif", tiff(WIDTH, HEIGHT, 32, 3, struct.pack(f"<{count}f", *in_units)),
+                                        "--depth-unit", "mm"), expected)
+
+    def png_depth(self):
+        return png.gray16(WIDTH, HEIGHT, self.values)
+
+    def test_color_may_have_another_resolution(self):
+        expected, _ = self.segment_images("--rgb", self.rgb, "--method", "color")
+        doubled = [self.colors[row // 2 * WIDTH + column // 2] for row in range(2 * HEIGHT) for column in range(2 * WIDTH)]
+        self.rgb.write_bytes(png.rgb8(2 * WIDTH, 2 * HEIGHT, doubled))
+        self.assertEqual(self.segment_images("--rgb", self.rgb, "--method", "color")[0], expected)
+        # The same pixels within a wider image, as its intrinsics say.
+        margin = 40
+        wide = [0 if not margin <= column < margin + WIDTH else self.colors[row * WIDTH + column - margin]
+                for row in range(HEIGHT) for column in range(WIDTH + 2 * margin)]
+        self.rgb.write_bytes(png.rgb8(WIDTH + 2 * margin, HEIGHT, wide))
+        intrinsics = f"{FOCAL},{FOCAL},{CENTER_X + margin},{CENTER_Y}"
+        self.assertEqual(self.segment_images("--rgb", self.rgb, "--method", "color", "--rgb-intrinsics", intrinsics)[0],
+                         expected)
+        _, told = self.segment_images("--rgb", self.rgb, "--rgb-intrinsics", f"{FOCAL},{FOCAL},{CENTER_X - 5},{CENTER_Y}")
+        self.assertEqual([warning["reason"] for warning in told["warnings"]], ["COLOR_MISSING"])
+
     def test_bad_images_are_named(self):
-        broken = self.path("broken.png")
+        broken, small, cut = self.path("broken.png"), self.path("small.png"), self.path("cut.tif")
         broken.write_bytes(self.depth.read_bytes()[:-100])
-        small = self.path("small.png")
         small.write_bytes(png.rgb8(2, 2, [0, 1, 2, 3]))
-        for depth, rgb, words in ((broken, self.rgb, "depth: PNG: "), (self.depth, small, "the colou?r image has 2 x 2"),
-                                  (self.rgb, self.rgb, r"gr[ae]y \(0\) with 16 bits"),
-                                  (self.depth, __file__, "neither PNG nor JPEG")):
+        cut.write_bytes(tiff(WIDTH, HEIGHT, 16, 1, b"12"))
+        for depth, rgb, words in ((broken, self.rgb, f"{broken}: depth: PNG: "), (cut, self.rgb, f"{cut}: TIFF: "),
+                                  (self.depth, small, f"{small}: color: it has 2 x 2 pixels"),
+                                  (self.rgb, self.rgb, f"{self.rgb}: depth: PNG: it is a color image"),
+                                  (self.depth, __file__, f"{__file__}: color: the bytes are neither PNG nor JPEG nor PPM")):
             for where in (("--local",), ("--server", self.server.address)):
-                line = self.run_badly(BAD_INPUT, "segment", "--depth", depth, "--rgb", rgb, "--intrinsics", INTRINSICS, *where)
-                self.assertRegex(line, words)
+                with self.subTest(words=words, where=where):
+                    line = self.run_badly(BAD_INPUT, "segment", "--depth", depth, "--rgb", rgb, "--intrinsics", INTRINSICS,
+                                          *where)
+                    self.assertIn(words, line)
+
+    def test_flags_that_are_wrong(self):
+        for words, *flags in (("5000 units a meter are 0.0002", "--depth-scale", "5000"),
+                              ("--depth-unit", "--depth-unit", "inch"),
+                              ("excludes", "--depth-unit", "mm", "--depth-scale", "0.001"),
+                              ("--rgb-intrinsics needs --rgb", "--rgb-intrinsics", INTRINSICS),
+                              ("--rgb-intrinsics: fx is 0", "--rgb", self.rgb, "--rgb-intrinsics", "0,1,1,1"),
+                              ("--rgb-intrinsics 1,2: must be", "--rgb", self.rgb, "--rgb-intrinsics", "1,2")):
+            with self.subTest(flags=flags):
+                line = self.run_badly(BAD_INPUT, "segment", "--depth", self.depth, "--intrinsics", INTRINSICS, "--local", *flags)
+                self.assertIn(words, line)
 
 
 if __name__ == "__main__":

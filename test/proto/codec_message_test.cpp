@@ -237,5 +237,23 @@ TEST(WireCodec, RefusesAMessageThatContradictsItsPayload) {
   EXPECT_THAT(decode_cloud(message, kAll).status().ToString(), HasSubstr("fx is 0"));
 }
 
+TEST(WireCodec, ImagesCarryTheCameraOfTheColorsAndTheirWarnings) {
+  codec::RgbdFiles files{.depth = std::string("P5 2 1 65535 \x03\xe8\xff\xff", 17),
+                         .color = "P6 1 1 255 abc",
+                         .depth_scale = 0.001,
+                         .intrinsics = {.fx = 1, .fy = 1},
+                         .color_intrinsics = codec::Intrinsics{.fx = 1, .fy = 1, .cx = -7}};
+  const v1::Cloud message = to_rgbd_message(files);
+  EXPECT_EQ(message.width(), 2U);
+  EXPECT_EQ(message.rgbd().color_intrinsics().cx(), -7);
+  const auto decoded = decode_cloud(message, kAll);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  ASSERT_EQ(decoded->warnings.size(), 2U);
+  EXPECT_EQ(decoded->warnings[0].reason, codec::WarningReason::kPointsNotUsed);
+  EXPECT_EQ(decoded->warnings[1].reason, codec::WarningReason::kColorMissing);
+  files.color_intrinsics.reset();
+  EXPECT_FALSE(to_rgbd_message(files).rgbd().has_color_intrinsics());
+}
+
 }  // namespace
 }  // namespace segserve::wire

@@ -12,7 +12,7 @@ struct Entry {
   std::string_view name;
 };
 
-constexpr std::array<Entry, 8> kReasons{{
+constexpr std::array<Entry, 10> kReasons{{
     {WarningReason::kColorNotUsed, "COLOR_NOT_USED"},
     {WarningReason::kLabelNotUsed, "LABEL_NOT_USED"},
     {WarningReason::kRowsNotUsed, "ROWS_NOT_USED"},
@@ -20,6 +20,8 @@ constexpr std::array<Entry, 8> kReasons{{
     {WarningReason::kAttributeNotKept, "ATTRIBUTE_NOT_KEPT"},
     {WarningReason::kTooSparse, "TOO_SPARSE"},
     {WarningReason::kUnitGuessed, "UNIT_GUESSED"},
+    {WarningReason::kImageDamaged, "IMAGE_DAMAGED"},
+    {WarningReason::kColorMissing, "COLOR_MISSING"},
     {WarningReason::kOther, "OTHER"},
 }};
 

@@ -51,6 +51,7 @@ absl::StatusOr<PngHeader> read_header(std::string_view bytes) {
 struct Source {
   const char* at;               ///< the next byte
   std::size_t left;             ///< bytes from `at` on
+  StopCheck* check;             ///< counts the pixels
   std::array<char, 160> error;  ///< the message of the last error
 };
 
@@ -84,9 +85,9 @@ void set_transforms(png_structp png, Format format) {
   png_set_gray_to_rgb(png);
 }
 
-/// Decodes into `out`, which has space for `height` rows of `row_bytes`. Returns false, with source.error set, if that
-/// fails.
-bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_t row_bytes, png_bytep out) {
+/// Decodes into `out`, which has space for `size.height` rows of `row_bytes`. Returns false if that fails, with
+/// source.error set, or if it is stopped.
+bool decode_rows(Source& source, Format format, const ImageSize& size, std::size_t row_bytes, png_bytep out) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, keep_error, ignore_warning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
   if (info == nullptr) {
@@ -108,7 +109,10 @@ bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_
   png_read_update_info(png, info);
   if (png_get_rowbytes(png, info) != row_bytes) png_error(png, "its rows have another size than its header claims");
   for (int pass = 0; pass < passes; ++pass) {
-    for (std::uint32_t row = 0; row < height; ++row) png_read_row(png, out + row * row_bytes, nullptr);
+    for (std::uint32_t row = 0; row < size.height; ++row) {
+      if (source.check->after(size.width)) png_longjmp(png, 1);
+      png_read_row(png, out + row * row_bytes, nullptr);
+    }
   }
   png_read_end(png, nullptr);
   png_destroy_read_struct(&png, &info, nullptr);
@@ -116,10 +120,30 @@ bool decode_rows(Source& source, Format format, std::uint32_t height, std::size_
 }
 
 /// Decodes the pixels to `out`, which has space for size.height rows of `row_bytes`.
-absl::Status decode(std::string_view bytes, Format format, const ImageSize& size, std::size_t row_bytes, void* out) {
-  Source source{bytes.data(), bytes.size(), {}};
-  if (decode_rows(source, format, size.height, row_bytes, static_cast<png_bytep>(out))) return absl::OkStatus();
+absl::Status decode(std::string_view bytes, Format format, const ImageSize& size, std::size_t row_bytes,
+                    StopCheck& check, void* out) {
+  Source source{bytes.data(), bytes.size(), &check, {}};
+  if (decode_rows(source, format, size, row_bytes, static_cast<png_bytep>(out))) return check.status();
+  if (check.stopped()) return check.status();
   return fault(source.error.data());
+}
+
+/// Why a PNG is no depth image.
+absl::Status check_is_depth(const PngHeader& header) {
+  const char* kind = "a color image";
+  if (header.color_type == PNG_COLOR_TYPE_GRAY) {
+    if (header.bit_depth == 16) return absl::OkStatus();
+    return fault(
+        fmt::format("it is gray with {} bits, but depth needs 16: this is a picture of a depth image, which has lost "
+                    "the distances; write the depth itself, as gray with 16 bits",
+                    header.bit_depth));
+  }
+  if (header.color_type == PNG_COLOR_TYPE_GRAY_ALPHA) kind = "a gray image with an alpha channel";
+  if (header.color_type == PNG_COLOR_TYPE_PALETTE) kind = "an image with a palette";
+  return fault(
+      fmt::format("it is {} with {} bits, but depth must be gray with 16 bits and without alpha; are depth and "
+                  "color interchanged?",
+                  kind, header.bit_depth));
 }
 
 }  // namespace
@@ -131,25 +155,23 @@ absl::StatusOr<ImageSize> png_size(std::string_view bytes) {
   return header.size;
 }
 
-absl::StatusOr<GrayImage> decode_png_gray16(std::string_view bytes, const DecodeLimits& limits) {
+absl::StatusOr<GrayImage> decode_png_depth(std::string_view bytes, const DecodeLimits& limits, StopCheck& check) {
   ASSIGN_OR_RETURN(const PngHeader header, read_header(bytes));
-  if (header.color_type != PNG_COLOR_TYPE_GRAY || header.bit_depth != 16) {
-    return fault(fmt::format("it has color type {} with {} bits, but must be gray (0) with 16 bits", header.color_type,
-                             header.bit_depth));
-  }
+  RETURN_IF_ERROR(check_is_depth(header));
   constexpr std::size_t kPixelBytes = sizeof(std::uint16_t);
   RETURN_IF_ERROR(check_image_size(header.size, kPixelBytes, limits));
   GrayImage image{header.size, std::vector<std::uint16_t>(header.size.pixels())};
-  RETURN_IF_ERROR(decode(bytes, Format::kGray16, image.size, image.size.width * kPixelBytes, image.pixels.data()));
+  RETURN_IF_ERROR(
+      decode(bytes, Format::kGray16, image.size, image.size.width * kPixelBytes, check, image.pixels.data()));
   return image;
 }
 
-absl::StatusOr<ColorImage> decode_png_color(std::string_view bytes, const DecodeLimits& limits) {
+absl::StatusOr<ColorImage> decode_png_color(std::string_view bytes, const DecodeLimits& limits, StopCheck& check) {
   ASSIGN_OR_RETURN(const PngHeader header, read_header(bytes));
   constexpr std::size_t kPixelBytes = 3;
   RETURN_IF_ERROR(check_image_size(header.size, kPixelBytes, limits));
   ColorImage image{header.size, std::vector<std::uint8_t>(kPixelBytes * header.size.pixels())};
-  RETURN_IF_ERROR(decode(bytes, Format::kColor, image.size, image.size.width * kPixelBytes, image.rgb.data()));
+  RETURN_IF_ERROR(decode(bytes, Format::kColor, image.size, image.size.width * kPixelBytes, check, image.rgb.data()));
   return image;
 }
 

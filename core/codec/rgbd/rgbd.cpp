@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,38 +12,36 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "core/base/stop_check.hpp"
-#include "core/codec/rgbd/image_size.hpp"
+#include "core/codec/rgbd/color_mapping.hpp"
+#include "core/codec/rgbd/depth_image.hpp"
 #include "core/codec/rgbd/jpeg_image.hpp"
 #include "core/codec/rgbd/png_image.hpp"
+#include "core/codec/rgbd/pnm_image.hpp"
 
 namespace segserve::codec {
 namespace {
 
-constexpr std::uint64_t kPointBytes = 16;  // A decoded point has 3 floats and a color.
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Decodes the depth image. Its size is also compared with the limits as that of the cloud that it becomes.
-absl::StatusOr<GrayImage> decode_depth(std::string_view bytes, const DecodeLimits& limits) {
-  ASSIGN_OR_RETURN(const ImageSize size, png_size(bytes));
-  RETURN_IF_ERROR(check_image_size(size, kPointBytes, limits));
-  return decode_png_gray16(bytes, limits);
+/// Pixels that have a depth which is none, apart from 0, NaN and infinity.
+struct OddDepths {
+  std::uint64_t largest = 0;   ///< 65535
+  std::uint64_t negative = 0;  ///< floats only
+};
+
+double units_or_nan(std::uint16_t units, OddDepths& odd) {
+  odd.largest += units == UINT16_MAX ? 1 : 0;
+  return units != 0 && units != UINT16_MAX ? units : kNaN;
 }
 
-absl::StatusOr<ColorImage> decode_color(std::string_view bytes, const DecodeLimits& limits) {
-  if (is_png(bytes)) return decode_png_color(bytes, limits);
-  if (is_jpeg(bytes)) return decode_jpeg(bytes, limits);
-  return absl::InvalidArgumentError("the bytes are neither PNG nor JPEG");
-}
-
-void read_colors(const ColorImage& image, StopCheck& check, std::vector<std::uint32_t>& out) {
-  out.resize(image.size.pixels());
-  const std::uint8_t* rgb = image.rgb.data();
-  check.for_each(0, out.size(), [rgb, color = out.data()](std::size_t i) {
-    color[i] = pack_rgb(rgb[3 * i], rgb[3 * i + 1], rgb[3 * i + 2]);
-  });
+double units_or_nan(float units, OddDepths& odd) {
+  odd.negative += units < 0 ? 1 : 0;
+  return units > 0 && std::isfinite(units) ? double{units} : kNaN;
 }
 
 /// The points of the pixels, by the equations of decode_rgbd.
-Cloud to_cloud(const GrayImage& depth, double scale, const Intrinsics& camera, StopCheck& check) {
+template <typename Image>
+Cloud to_cloud(const Image& depth, double scale, const Intrinsics& camera, OddDepths& odd, StopCheck& check) {
   const auto [width, height] = depth.size;
   Cloud cloud;
   cloud.resize(depth.size.pixels(), false);
@@ -57,13 +54,75 @@ Cloud to_cloud(const GrayImage& depth, double scale, const Intrinsics& camera, S
   for (std::uint32_t v = 0; v < height && !check.after(width); ++v) {
     const double y_per_z = (v - camera.cy) / camera.fy;
     for (std::uint32_t u = 0; u < width; ++u, ++i) {
-      const double z = depth.pixels[i] != 0 ? depth.pixels[i] * scale : std::numeric_limits<double>::quiet_NaN();
+      const double z = units_or_nan(depth.pixels[i], odd) * scale;
       cloud.x[i] = static_cast<float>(x_per_z[u] * z);
       cloud.y[i] = static_cast<float>(y_per_z * z);
       cloud.z[i] = static_cast<float>(z);
     }
   }
   return cloud;
+}
+
+void warn_of(const OddDepths& odd, std::uint64_t pixels, std::vector<Warning>& warnings) {
+  const auto warn = [&](std::uint64_t count, std::string_view what) {
+    if (count == 0) return;
+    warnings.push_back({WarningReason::kPointsNotUsed,
+                        fmt::format("depth: {} of {} pixels are {}, which is no distance; they become no points", count,
+                                    pixels, what)});
+  };
+  warn(odd.largest, "65535");
+  warn(odd.negative, "negative");
+}
+
+absl::StatusOr<ColorImage> decode_color(std::string_view bytes, const DecodeLimits& limits, StopCheck& check,
+                                        std::vector<Warning>& warnings) {
+  if (is_png(bytes)) return decode_png_color(bytes, limits, check);
+  if (is_pnm(bytes)) return decode_pnm_color(bytes, limits, check);
+  if (!is_jpeg(bytes)) return absl::InvalidArgumentError("the bytes are neither PNG nor JPEG nor PPM");
+  ASSIGN_OR_RETURN(JpegImage jpeg, decode_jpeg(bytes, limits, check));
+  if (!jpeg.damage.empty()) {
+    warnings.push_back({WarningReason::kImageDamaged, fmt::format("color: the JPEG is damaged: {}", jpeg.damage)});
+  }
+  return std::move(jpeg.image);
+}
+
+/// Sets the colors of the points. Returns how many finite points the color image does not show.
+std::uint64_t set_colors(const ColorImage& image, const ColorMapping& mapping, StopCheck& check, Cloud& cloud) {
+  cloud.rgb.assign(cloud.size(), 0);
+  std::uint64_t missing = 0;
+  std::size_t i = 0;
+  for (std::uint32_t v = 0; v < cloud.height && !check.after(cloud.width); ++v) {
+    const std::size_t row = mapping.row[v];
+    for (std::uint32_t u = 0; u < cloud.width; ++u, ++i) {
+      const std::uint32_t column = mapping.column[u];
+      if (row == ColorMapping::kOutside || column == ColorMapping::kOutside) {
+        missing += is_finite(cloud.x[i], cloud.y[i], cloud.z[i]) ? 1 : 0;
+        continue;
+      }
+      const std::uint8_t* rgb = image.rgb.data() + 3 * (row * image.size.width + column);
+      cloud.rgb[i] = pack_rgb(rgb[0], rgb[1], rgb[2]);
+    }
+  }
+  return missing;
+}
+
+absl::Status add_color(const RgbdImages& images, const DecodeLimits& limits, StopCheck& check, LabeledCloud& result) {
+  ASSIGN_OR_RETURN(const ColorImage image, decode_color(images.color, limits, check, result.warnings));
+  const ImageSize size{result.cloud.width, result.cloud.height};
+  ASSIGN_OR_RETURN(const ColorMapping mapping,
+                   map_colors(size, image.size, images.intrinsics, images.color_intrinsics));
+  const std::uint64_t missing = set_colors(image, mapping, check, result.cloud);
+  if (missing != 0) {
+    result.warnings.push_back(
+        {WarningReason::kColorMissing,
+         fmt::format("color: the image does not show {} of {} points; they are black", missing, result.cloud.size())});
+  }
+  return check.status();
+}
+
+/// An error of an image begins with its name. Being stopped is no error of an image.
+absl::Status named(std::string_view image, const absl::Status& status) {
+  return absl::IsInvalidArgument(status) ? with_prefix(image, status) : status;
 }
 
 }  // namespace
@@ -83,31 +142,32 @@ absl::Status check_intrinsics(const Intrinsics& intrinsics) {
 }
 
 absl::Status check_depth_scale(double depth_scale) {
-  if (std::isfinite(depth_scale) && depth_scale > 0) return absl::OkStatus();
+  if (!std::isfinite(depth_scale) || depth_scale <= 0) {
+    return absl::InvalidArgumentError(
+        fmt::format("the depth scale is {}, which is not a finite number above 0", depth_scale));
+  }
+  if (depth_scale <= 1) return absl::OkStatus();
   return absl::InvalidArgumentError(
-      fmt::format("the depth scale is {}, which is not a finite number above 0", depth_scale));
+      fmt::format("the depth scale is {}, but meters a unit of depth are meant; {} units a meter are {:.6g}",
+                  depth_scale, depth_scale, 1 / depth_scale));
 }
 
-absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits, const StopToken& stop) {
+absl::StatusOr<LabeledCloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits, const StopToken& stop) {
   RETURN_IF_ERROR(check_intrinsics(images.intrinsics));
+  if (images.color_intrinsics) RETURN_IF_ERROR(named("color", check_intrinsics(*images.color_intrinsics)));
   RETURN_IF_ERROR(check_depth_scale(images.depth_scale));
-  const auto depth = decode_depth(images.depth, limits);
-  if (!depth.ok()) return with_prefix("depth", depth.status());
   StopCheck check(stop);
-  Cloud cloud = to_cloud(*depth, images.depth_scale, images.intrinsics, check);
+  const auto depth = decode_depth(images.depth, limits, check);
+  if (!depth.ok()) return named("depth", depth.status());
+  LabeledCloud result;
+  result.view_rule = "CAMERA, as RGB-D images are";
+  OddDepths odd;
+  result.cloud = std::visit(
+      [&](const auto& image) { return to_cloud(image, images.depth_scale, images.intrinsics, odd, check); }, *depth);
   RETURN_IF_ERROR(check.status());
-  if (images.color.empty()) return cloud;
-
-  const auto color = decode_color(images.color, limits);
-  if (!color.ok()) return with_prefix("color", color.status());
-  if (color->size != depth->size) {
-    return absl::InvalidArgumentError(fmt::format("the color image has {} x {} pixels, but the depth image has {} x {}",
-                                                  color->size.width, color->size.height, depth->size.width,
-                                                  depth->size.height));
-  }
-  read_colors(*color, check, cloud.rgb);
-  RETURN_IF_ERROR(check.status());
-  return cloud;
+  warn_of(odd, size_of(*depth).pixels(), result.warnings);
+  if (!images.color.empty()) RETURN_IF_ERROR(named("color", add_color(images, limits, check, result)));
+  return result;
 }
 
 }  // namespace segserve::codec

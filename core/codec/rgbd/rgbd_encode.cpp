@@ -18,7 +18,7 @@
 namespace segserve::codec {
 namespace {
 
-constexpr double kMaxDepth = 65535;    // units of depth: the largest 16-bit number
+constexpr double kMaxDepth = 65534;    // units of depth: the largest 16-bit number means that there is no point
 constexpr double kMaxDeviation = 0.5;  // pixels
 
 absl::Status check_is_image(const CloudView& cloud) {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
-#include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/stop_token.hpp"
 
 // Turns the depth and color images of an RGB-D camera into an organized CAMERA cloud.
@@ -25,25 +26,61 @@ struct Intrinsics {
 /// INVALID_ARGUMENT unless all numbers are finite, and fx and fy are above 0. The message names every wrong one.
 absl::Status check_intrinsics(const Intrinsics& intrinsics);
 
-/// INVALID_ARGUMENT unless the scale is finite and above 0. `depth_scale` is in meters per unit of depth.
+/// INVALID_ARGUMENT unless the scale is above 0 and at most 1. `depth_scale` is in meters per unit of depth; a larger
+/// number is mostly meant as units per meter, and the message says what that would be.
 absl::Status check_depth_scale(double depth_scale);
 
 /// The image files of one view, as bytes in memory of somebody else.
 struct RgbdImages {
-  std::string_view depth;  ///< PNG, gray, 16 bits: depth along the camera's z axis; 0 means that there is no point
-  std::string_view color;  ///< PNG or JPEG of the same size, aligned with the depth; empty if there is no color
+  /// The depth along the camera's z axis, in one of these formats:
+  /// - PNG, gray with 16 bits, or PGM (P2, P5) with a largest value above 255. 0 and 65535 mean that there is no point.
+  /// - PFM, gray (Pf). Numbers that are not finite or not above 0 mean that there is no point.
+  /// Readers of other formats, such as TIFF, have known faults with hostile bytes; segctl turns TIFF into these.
+  std::string_view depth;
+  /// The color as seen from the place of the depth image: PNG of any kind, JPEG (gray, color, CMYK), PGM or PPM. Empty
+  /// if there is no color.
+  std::string_view color;
   double depth_scale = 0;  ///< meters per unit of depth
-  Intrinsics intrinsics;
+  Intrinsics intrinsics;   ///< of the depth image
+  /// Those of the color image; unset if both images show the same part of the scene.
+  std::optional<Intrinsics> color_intrinsics = std::nullopt;
 };
 
-/// Decodes the images into a cloud with one point per pixel, in the camera frame, meters. A pixel (u, v) of depth d > 0
+/// What the first bytes of a depth image claim.
+struct DepthFormat {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  bool floats = false;  ///< whether its pixels are floats, mostly meters; otherwise 16-bit integers, mostly millimeters
+
+  /// The scale of the images that most programs write: 1 for floats, 0.001 for integers.
+  double usual_scale() const { return floats ? 1 : 0.001; }
+};
+
+/// INVALID_ARGUMENT if the bytes do not begin as one of the formats of RgbdImages::depth.
+absl::StatusOr<DepthFormat> depth_format(std::string_view depth);
+
+/// Decodes the images into a cloud with one point per pixel, in the camera frame, meters. A pixel (u, v) of depth d
 /// becomes the point
 ///
 ///     z = d * depth_scale,  x = (u - cx) / fx * z,  y = (v - cy) / fy * z,
 ///
-/// computed in double from left to right and rounded to float. A pixel of depth 0 becomes NaN. INVALID_ARGUMENT that
-/// names a wrong number of the camera, or the image and its fault, wrong size or exceeded limit. The size of each image
-/// is compared with the limits before memory is allocated for it. CANCELLED and DEADLINE_EXCEEDED as `stop` says.
-absl::StatusOr<Cloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits, const StopToken& stop = {});
+/// computed in double from left to right and rounded to float. A pixel without depth becomes NaN.
+///
+/// The color of the point is that of the nearest pixel of the color image to
+///
+///     u' = (u - cx) / fx * fx' + cx',  v' = (v - cy) / fy * fy' + cy',
+///
+/// where the color image's intrinsics fx', fy', cx', cy' are those of the depth image, scaled to the size of the color
+/// image, if they are unset: u' + 1/2 = (u + 1/2) * width' / width. Points that the color image does not show are
+/// black.
+///
+/// Warnings tell of damaged images, of pixels that are 65535 or negative, and of points without color.
+///
+/// INVALID_ARGUMENT that names a wrong number of the camera, or the image ("depth: .." or "color: ..") and its fault,
+/// wrong size or exceeded limit. If `color_intrinsics` is unset, color images of other proportions than the depth image
+/// are refused. The size of each image is compared with the limits before memory is allocated for it. CANCELLED and
+/// DEADLINE_EXCEEDED as `stop` says.
+absl::StatusOr<LabeledCloud> decode_rgbd(const RgbdImages& images, const DecodeLimits& limits,
+                                         const StopToken& stop = {});
 
 }  // namespace segserve::codec

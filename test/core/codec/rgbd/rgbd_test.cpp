@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "segserve/codec/rgbd.hpp"
 
-#include <png.h>
+#include <gmock/gmock.h>
 
+#include <atomic>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "core/codec/rgbd/png_image.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
+#include "test/core/codec/support/image_files.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
 
 namespace segserve::codec {
@@ -34,27 +36,16 @@ ColorImage colors_of(const ImageSize& size) {
   return image;
 }
 
-/// A PNG in any of libpng's simple formats.
-std::string png_file(std::uint32_t width, std::uint32_t height, png_uint_32 format, const void* pixels) {
-  png_image image{};
-  image.version = PNG_IMAGE_VERSION;
-  image.width = width;
-  image.height = height;
-  image.format = format;
-  png_alloc_size_t size = 0;
-  EXPECT_NE(png_image_write_to_memory(&image, nullptr, &size, 0, pixels, 0, nullptr), 0);
-  std::string bytes(size, '\0');
-  EXPECT_NE(png_image_write_to_memory(&image, bytes.data(), &size, 0, pixels, 0, nullptr), 0);
-  bytes.resize(size);
-  return bytes;
-}
-
 std::string color_png(const ImageSize& size = {10, 7}) {
   return png_file(size.width, size.height, PNG_FORMAT_RGB, colors_of(size).rgb.data());
 }
 
 absl::StatusOr<Cloud> decode(const std::string& depth, const std::string& color, const DecodeLimits& limits = {}) {
-  return decode_rgbd({depth, color, 0.001, kCamera}, limits);
+  auto decoded = decode_rgbd({depth, color, 0.001, kCamera}, limits);
+  if (!decoded.ok()) return decoded.status();
+  EXPECT_TRUE(decoded->label.empty());
+  EXPECT_EQ(decoded->view_rule, "CAMERA, as RGB-D images are");
+  return std::move(decoded->cloud);
 }
 
 TEST(Rgbd, PixelsBecomePointsByThePinholeModel) {
@@ -99,28 +90,149 @@ TEST(Rgbd, JpegColorsAreNearlyTheSame) {
   }
 }
 
+absl::StatusOr<ColorImage> colors_in_png(const std::string& bytes) {
+  GoOn go_on;
+  return decode_png_color(bytes, {}, go_on.check);
+}
+
 TEST(Rgbd, ColorsAreReadFromEveryKindOfPng) {
   const std::vector<std::uint8_t> gray{10, 20, 30, 40};
-  const auto from_gray = decode_png_color(png_file(2, 2, PNG_FORMAT_GRAY, gray.data()), {});
+  const auto from_gray = colors_in_png(png_file(2, 2, PNG_FORMAT_GRAY, gray.data()));
   ASSERT_TRUE(from_gray.ok()) << from_gray.status();
   EXPECT_EQ(from_gray->rgb, (std::vector<std::uint8_t>{10, 10, 10, 20, 20, 20, 30, 30, 30, 40, 40, 40}));
   const std::vector<std::uint8_t> rgba{1, 2, 3, 0, 4, 5, 6, 255};
-  const auto from_rgba = decode_png_color(png_file(2, 1, PNG_FORMAT_RGBA, rgba.data()), {});
+  const auto from_rgba = colors_in_png(png_file(2, 1, PNG_FORMAT_RGBA, rgba.data()));
   ASSERT_TRUE(from_rgba.ok()) << from_rgba.status();
   EXPECT_EQ(from_rgba->rgb, (std::vector<std::uint8_t>{1, 2, 3, 4, 5, 6}));
   const std::vector<std::uint16_t> deep{0x1234, 0xabcd};
-  const auto from_16 = decode_png_color(encode_png_gray16({2, 1}, deep).value(), {});
+  const auto from_16 = colors_in_png(encode_png_gray16({2, 1}, deep).value());
   ASSERT_TRUE(from_16.ok()) << from_16.status();
   EXPECT_EQ(from_16->rgb, (std::vector<std::uint8_t>{0x12, 0x12, 0x12, 0xab, 0xab, 0xab}));
+  const std::vector<std::uint8_t> indices{1, 0, 1}, colormap{7, 8, 9, 100, 110, 120};
+  const auto from_palette = colors_in_png(png_file(3, 1, PNG_FORMAT_RGB_COLORMAP, indices.data(), colormap.data(), 2));
+  ASSERT_TRUE(from_palette.ok()) << from_palette.status();
+  EXPECT_EQ(from_palette->rgb, (std::vector<std::uint8_t>{100, 110, 120, 7, 8, 9, 100, 110, 120}));
+}
+
+TEST(Rgbd, DepthsThatAreNoneBecomeNoPointsAndAreCounted) {
+  const std::vector<std::uint16_t> units{0, 65535, 65535, 1200};
+  const auto integers = decode_rgbd({encode_png_gray16({2, 2}, units).value(), "", 0.001, kCamera}, {});
+  ASSERT_TRUE(integers.ok()) << integers.status();
+  for (const std::size_t i : {0U, 1U, 2U}) EXPECT_TRUE(std::isnan(integers->cloud.z[i]));
+  EXPECT_EQ(integers->cloud.z[3], 1.2F);
+  ASSERT_EQ(integers->warnings.size(), 1U);
+  EXPECT_EQ(integers->warnings[0].reason, WarningReason::kPointsNotUsed);
+  EXPECT_THAT(integers->warnings[0].message, testing::HasSubstr("depth: 2 of 4 pixels are 65535"));
+
+  const std::vector<float> meters{1.5F, -1, 0, NAN, INFINITY, 65535};
+  std::string pfm = "Pf 6 1 -1 ";
+  pfm.append(reinterpret_cast<const char*>(meters.data()), 4 * meters.size());
+  const auto floats = decode_rgbd({pfm, "", 1, kCamera}, {});
+  ASSERT_TRUE(floats.ok()) << floats.status();
+  EXPECT_EQ(floats->cloud.z[0], 1.5F);
+  EXPECT_EQ(floats->cloud.x[0], static_cast<float>((0 - 4.5) / 50 * 1.5));
+  for (const std::size_t i : {1U, 2U, 3U, 4U}) EXPECT_TRUE(std::isnan(floats->cloud.z[i]));
+  EXPECT_EQ(floats->cloud.z[5], 65535);
+  ASSERT_EQ(floats->warnings.size(), 1U);
+  EXPECT_THAT(floats->warnings[0].message, testing::HasSubstr("1 of 6 pixels are negative"));
+  EXPECT_TRUE(decode_rgbd({depth_png(), color_png(), 0.001, kCamera}, {})->warnings.empty());
+}
+
+TEST(Rgbd, TheFormatOfADepthImageIsToldFromItsFirstBytes) {
+  const auto png = depth_format(depth_png());
+  ASSERT_TRUE(png.ok());
+  EXPECT_EQ(png->width, 10U);
+  EXPECT_EQ(png->height, 7U);
+  EXPECT_EQ(png->usual_scale(), 0.001);
+  EXPECT_EQ(depth_format("P5 4 3 65535 ").value().usual_scale(), 0.001);
+  const auto pfm = depth_format("Pf 4 3 -1 ");
+  ASSERT_TRUE(pfm.ok());
+  EXPECT_EQ(pfm->width, 4U);
+  EXPECT_EQ(pfm->usual_scale(), 1);
+  expect_fault(depth_format("GIF89a").status(), "the bytes are neither PNG nor PGM nor PFM");
+}
+
+/// A color image whose pixel (u, v) is (u, v, 7).
+std::string position_png(const ImageSize& size) {
+  std::vector<std::uint8_t> rgb;
+  for (std::uint32_t v = 0; v < size.height; ++v) {
+    for (std::uint32_t u = 0; u < size.width; ++u) {
+      for (const std::uint32_t value : {u, v, 7U}) rgb.push_back(static_cast<std::uint8_t>(value));
+    }
+  }
+  return png_file(size.width, size.height, PNG_FORMAT_RGB, rgb.data());
+}
+
+TEST(Rgbd, ColorOfAnotherResolutionIsTakenFromTheNearestPixel) {
+  const std::string depth = depth_png({4, 2});
+  const auto finer = decode(depth, position_png({12, 6}));
+  ASSERT_TRUE(finer.ok()) << finer.status();
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(finer->rgb[i], pack_rgb(3 * (i % 4) + 1, 3 * (i / 4) + 1, 7));
+  const auto coarser = decode(depth, position_png({2, 1}));
+  ASSERT_TRUE(coarser.ok()) << coarser.status();
+  for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(coarser->rgb[i], pack_rgb(i % 4 / 2, 0, 7));
+}
+
+TEST(Rgbd, ColorIntrinsicsSayWhichPixelShowsAPoint) {
+  const Intrinsics depth_camera{.fx = 50, .fy = 40, .cx = 2, .cy = 1};
+  // Twice the resolution, with the center three columns and one row from its place.
+  const Intrinsics color_camera{.fx = 100, .fy = 80, .cx = 7, .cy = 3};
+  const std::vector<std::uint16_t> units(20, 1000);
+  const std::string depth = encode_png_gray16({5, 4}, units).value(), color = position_png({9, 20});
+  const auto decoded = decode_rgbd({depth, color, 0.001, depth_camera, color_camera}, {});
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  std::size_t missing = 0;
+  for (std::uint32_t v = 0; v < 4; ++v) {
+    for (std::uint32_t u = 0; u < 5; ++u) {
+      const std::uint32_t column = 2 * u + 3, row = 2 * v + 1;
+      EXPECT_EQ(decoded->cloud.rgb[5 * v + u], column < 9 ? pack_rgb(column, row, 7) : 0U);
+      missing += column < 9 ? 0 : 1;
+    }
+  }
+  ASSERT_EQ(decoded->warnings.size(), 1U);
+  EXPECT_EQ(decoded->warnings[0].reason, WarningReason::kColorMissing);
+  EXPECT_THAT(decoded->warnings[0].message,
+              testing::HasSubstr("does not show " + std::to_string(missing) + " of 20 points; they are black"));
+  const Intrinsics far{.fx = 1e300, .fy = 1, .cx = -1e308, .cy = 0};
+  EXPECT_THAT(decode_rgbd({depth, color, 0.001, depth_camera, far}, {})->warnings.at(0).message,
+              testing::HasSubstr("20 of 20"));
+  expect_fault(decode_rgbd({depth, color, 0.001, depth_camera, Intrinsics{}}, {}).status(), "color: fx is 0");
+}
+
+TEST(Rgbd, ColorOfOtherProportionsNeedsItsIntrinsics) {
+  for (const ImageSize& size : {ImageSize{64, 48}, {32, 24}, {160, 120}, {107, 80}, {8, 6}, {21, 16}}) {
+    EXPECT_TRUE(decode(depth_png({64, 48}), color_png(size)).ok()) << size.width;
+  }
+  for (const ImageSize& size : {ImageSize{64, 36}, {64, 49}, {48, 64}, {192, 108}, {2, 2}}) {
+    expect_fault(decode(depth_png({64, 48}), color_png(size)).status(), "color: it has " + std::to_string(size.width) +
+                                                                            " x " + std::to_string(size.height) +
+                                                                            " pixels, and the depth image 64 x 48");
+  }
+}
+
+TEST(Rgbd, ADamagedJpegIsUsedWithAWarning) {
+  const std::string jpeg = encode_jpeg(colors_of({10, 7}), 90).value();
+  const std::string cut = jpeg.substr(0, jpeg.size() - 2), depth = depth_png();
+  const auto decoded = decode_rgbd({depth, cut, 0.001, kCamera}, {});
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  EXPECT_EQ(decoded->cloud.rgb, decode(depth, jpeg).value().rgb);
+  ASSERT_EQ(decoded->warnings.size(), 1U);
+  EXPECT_EQ(decoded->warnings[0].reason, WarningReason::kImageDamaged);
+  EXPECT_THAT(decoded->warnings[0].message, testing::HasSubstr("color: the JPEG is damaged: "));
 }
 
 TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
-  expect_fault(decode("", color_png()).status(), "depth: PNG: the bytes do not begin with a PNG signature");
+  expect_fault(decode("", color_png()).status(), "depth: the bytes are neither PNG nor PGM nor PFM");
   expect_fault(decode(color_png(), color_png()).status(),
-               "color type 2 with 8 bits, but must be gray (0) with 16 bits");
-  expect_fault(decode(depth_png(), "GIF89a").status(), "color: the bytes are neither PNG nor JPEG");
-  expect_fault(decode(depth_png(), color_png({9, 7})).status(),
-               "the color image has 9 x 7 pixels, but the depth image has 10 x 7");
+               "depth: PNG: it is a color image with 8 bits, but depth must be gray with 16 bits and without alpha");
+  const std::vector<std::uint16_t> four(4, 1);
+  expect_fault(decode(png_file(2, 1, PNG_FORMAT_GRAY, four.data()), "").status(),
+               "depth: PNG: it is gray with 8 bits, but depth needs 16");
+  expect_fault(decode(png_file(2, 1, PNG_FORMAT_LINEAR_Y_ALPHA, four.data()), "").status(),
+               "depth: PNG: it is a gray image with an alpha channel with 16 bits");
+  expect_fault(decode(encode_jpeg(colors_of({10, 7}), 90).value(), "").status(), "depth: a JPEG cannot hold depth");
+  expect_fault(decode(std::string("II*\0", 4), "").status(), "depth: TIFF is not read here, only by segctl");
+  expect_fault(decode(depth_png(), "GIF89a").status(), "color: the bytes are neither PNG nor JPEG nor PPM");
   const std::string depth = depth_png();
   expect_fault(decode_rgbd({depth, "", 0.001, {.fx = 0, .fy = NAN, .cx = INFINITY, .cy = 0}}, {}).status(),
                "fx is 0, which is not a finite number above 0; fy is nan, which is not a finite number above 0; "
@@ -128,6 +240,8 @@ TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
   for (const double scale : {0.0, -1.0, double{NAN}, double{INFINITY}}) {
     expect_fault(decode_rgbd({depth, "", scale, kCamera}, {}).status(), "the depth scale is");
   }
+  expect_fault(decode_rgbd({depth, "", 5000, kCamera}, {}).status(),
+               "the depth scale is 5000, but meters a unit of depth are meant; 5000 units a meter are 0.0002");
 }
 
 /// The PNG with another size in its IHDR, whose big-endian numbers follow the signature, the length and the name.
@@ -164,10 +278,20 @@ TEST(Rgbd, DamageIsRefusedOrDecodedWithinBounds) {
   };
   expect_truncations_refused(depth, damaged_depth);
   expect_truncations_refused(png, damaged_color);
-  expect_truncations_refused(jpeg, damaged_color);
   expect_flips_survived(depth, damaged_depth);
   expect_flips_survived(png, damaged_color);
   expect_flips_survived(jpeg, damaged_color);
+  const std::string pgm = "P5 3 2 65535 abcdefghijkl", text = "P2 3 2 999 1 22 333 4 55 666",
+                    pfm = "Pf 1 2 -1 abcdefgh";
+  for (const std::string& bytes : {pgm, pfm}) expect_truncations_refused(bytes, damaged_depth);
+  for (const std::string& bytes : {pgm, text, pfm}) expect_flips_survived(bytes, damaged_depth);
+}
+
+TEST(Rgbd, ItIsStopped) {
+  const std::atomic<bool> cancelled = true;
+  const StopToken stop(&cancelled);
+  const std::string depth = depth_png(), color = color_png();
+  EXPECT_TRUE(absl::IsCancelled(decode_rgbd({depth, color, 0.001, kCamera}, {}, stop).status()));
 }
 
 /// An organized cloud that kCamera sees, with points in front of it.
@@ -187,8 +311,8 @@ TEST(RgbdEncode, GivesBackTheImagesAndTheCamera) {
     EXPECT_LT(files->error_bound, 1e-6);
     const auto decoded = decode_rgbd(files->images(), {});
     ASSERT_TRUE(decoded.ok()) << decoded.status();
-    EXPECT_EQ(bits(decoded->z), bits(cloud.z));
-    EXPECT_EQ(decoded->has_color(), color);
+    EXPECT_EQ(bits(decoded->cloud.z), bits(cloud.z));
+    EXPECT_EQ(decoded->cloud.has_color(), color);
   }
 }
 
@@ -197,7 +321,7 @@ TEST(RgbdEncode, TheDeclaredErrorBoundIsTheLargestError) {
   for (std::size_t i = 0; i < cloud.size(); ++i) cloud.z[i] += 0.0004F * static_cast<float>(i % 3);
   const auto files = encode_rgbd(cloud, {.intrinsics = kCamera});
   ASSERT_TRUE(files.ok()) << files.status();
-  const Cloud decoded = decode_rgbd(files->images(), {}).value();
+  const Cloud decoded = decode_rgbd(files->images(), {}).value().cloud;
   double largest = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const bool finite = is_finite(cloud.x[i], cloud.y[i], cloud.z[i]);
@@ -219,7 +343,7 @@ TEST(RgbdEncode, RefusesCloudsThatAreNotImages) {
   cloud = camera_cloud(false);
   cloud.x[0] += 0.1F;
   expect_fault(encode_rgbd(cloud).status(), "not the image of a pinhole camera");
-  expect_fault(encode_rgbd(camera_cloud(false), {.depth_scale = 0.00001}).status(), "does not fit into 1 to 65535");
+  expect_fault(encode_rgbd(camera_cloud(false), {.depth_scale = 0.00001}).status(), "does not fit into 1 to 65534");
   for (float& x : cloud.x) x = NAN;
   expect_fault(encode_rgbd(cloud).status(), "the points do not determine the camera");
 }
