@@ -25,6 +25,7 @@ PUBLIC_CORE = ["core/include"]
 CODEC = [*PUBLIC_CORE, "core/base", "core/codec"]
 LAB = [*PUBLIC_CORE, "core/base", "core/math", "core/codec", "core/lab"]
 WIRE = [*PUBLIC_CORE, "core/base", "core/codec", "proto"]
+RECORDING = [*PUBLIC_CORE, "core/base", "core/codec", "client/include", "client/recording"]
 CLIENT = [*PUBLIC_CORE, "core/base", "proto", "client/include", "client/calls", "client/stream"]
 
 # Folder: what it may include besides itself. The longest folder that a file lies in counts.
@@ -41,8 +42,9 @@ LAYERS = {
     "client/include": [*PUBLIC_CORE, "proto/include", "proto/generated"],
     "client/calls": [*CLIENT, "proto/include"],
     "client/stream": [*CLIENT, "proto/include"],
+    "client/recording": RECORDING,
     "client/load_test": [*CLIENT, "proto/include"],
-    "client/segctl": [*CLIENT, "proto/include", "client/load_test", "core/lab", "command_line"],
+    "client/segctl": [*CLIENT, "proto/include", "client/load_test", "client/recording", "core/lab", "command_line"],
     "client": [*CLIENT, "proto/include", "core/lab"],  # examples
 }
 GENERATED = re.compile(r"^(segserve/v\d|google/rpc|grpc/health)/.*\.pb\.h$|^server/version\.hpp$")
