@@ -80,7 +80,8 @@ void add_picture(StagedOutput& output, const std::string& path, const CloudView&
 
 void SceneOutput::add_to(CLI::App& app) {
   app.add_option("-o,--output", cloud_path_,
-                 "write the cloud with its labels (field \"label\"): .pcd or .ply; - is PCD to standard output")
+                 "write the cloud with its labels (field \"label\"): .pcd or .ply; - is PCD to standard output; of a "
+                 "recording .mcap, with the other topics as they were")
       ->type_name("FILE")
       ->group("Output");
   app.add_option("--encoding", encoding_, "encoding of that file; binary_compressed is for PCD only")

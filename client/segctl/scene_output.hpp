@@ -21,6 +21,10 @@ class SceneOutput {
   /// True if a labeled cloud or a picture is wanted, that is, if the points are needed.
   bool wanted() const { return !cloud_path_.empty() || !picture_path_.empty() || !plain_picture_path_.empty(); }
 
+  /// The file that --output names; empty if there is none.
+  const std::string& cloud_path() const { return cloud_path_; }
+  bool wants_picture() const { return !picture_path_.empty() || !plain_picture_path_.empty(); }
+
   /// Checks the flags and announces the files.
   absl::Status announce(StagedOutput& output) const;
 

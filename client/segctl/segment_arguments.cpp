@@ -12,8 +12,10 @@ constexpr double kDefaultTimeout = 30;
 }  // namespace
 
 void SegmentArguments::add_to(CLI::App& app) {
-  app.add_option("SCENE", scenes,
-                 "PCD or PLY file; - is standard input; with --out-dir several files, or folders of them")
+  app.add_option(
+         "SCENE", scenes,
+         "PCD or PLY file, or a recording (MCAP); - is standard input; with --out-dir several files, or folders of "
+         "them")
       ->type_name("FILE");
   options.add_to(app);
   app.add_option("--view", view,
@@ -23,6 +25,7 @@ void SegmentArguments::add_to(CLI::App& app) {
       ->group("Segmentation");
   unit.add_to(app, "Segmentation");
   rgbd.add_to(app);
+  recording.add_to(app);
   server.add_to(app, kDefaultTimeout);
   app.add_flag("--local", local, "segment in this process, without a server")->group("Server");
   app.add_flag("--fallback-local", fallback_local, "segment in this process if no server is in reach")->group("Server");
@@ -41,7 +44,9 @@ void SegmentArguments::add_to(CLI::App& app) {
                "tell points, centroid, oriented box, mean color and mean normal of every segment, in --json, --out-dir "
                "and --result")
       ->group("Output");
-  json.add_to(app, "write the summary as one JSON object, with --out-dir one a file and line");
+  json.add_to(
+      app,
+      "write the summary as one JSON object, with --out-dir one a file and line, of a recording one a frame and line");
   CLI::Option* out_dir_flag = app.add_option("--out-dir", out_dir,
                                              "for many files: write DIR/NAME.pcd, labeled, and DIR/NAME.json of each, "
                                              "unless they are there and of the same options; DIR is made if missing")

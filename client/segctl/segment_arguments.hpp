@@ -12,6 +12,7 @@
 #include "client/segctl/codec_flags.hpp"
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/option_flags.hpp"
+#include "client/segctl/recording_flags.hpp"
 #include "client/segctl/rgbd_flags.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/server_flags.hpp"
@@ -45,6 +46,7 @@ struct SegmentArguments {
   UnitFlag unit;
   ServerFlags server;
   RgbdFlags rgbd;
+  RecordingFlags recording;
   CodecFlags codec;
   bool local = false;
   bool fallback_local = false;

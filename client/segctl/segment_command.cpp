@@ -10,6 +10,7 @@
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/segment_arguments.hpp"
 #include "client/segctl/segment_many.hpp"
+#include "client/segctl/segment_recording.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "client/segctl/summary.hpp"
 #include "core/base/status_macros.hpp"
@@ -31,7 +32,8 @@ segctl segment scene.pcd --local --regions 12 -o - | other-program
 segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
 segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd --drop-unlabelled
 segctl segment scene.pcd --segments --json - | jq '.segment_statistics[0].box'
-segctl segment scans/ --out-dir labeled/    # goes on where it was stopped)";
+segctl segment scans/ --out-dir labeled/    # goes on where it was stopped
+segctl segment run.mcap --topic /points -o labeled.mcap)";
 
 constexpr const char* kDetails =
     R"(Labels are numbered 1, 2, 3 and so on by descending size of the segment. Points that are not finite, that the crop
@@ -48,6 +50,9 @@ are in the file's coordinates and unit again; all lengths on the command line ar
 Lossy codecs move points by at most their error bound. The labels still come back in the order of the input. With
 --local and a codec, the points are segmented as a server would see them.
 
+Of a recording, the clouds of one topic are segmented. The recording that -o writes has them with the field "label", and
+everything else as it was. A frame that fails stays without labels. With --out-dir, every frame becomes a PCD file.
+
 With --out-dir, a file that fails stops no other; errors are listed at the end, one a line. The exit code is then 2 if
 every file that failed was bad input, else 1. Ctrl-C stops the rest, and so do servers that are all out of reach for 10 s
 (or half of --timeout, if that is less). The same command goes on from there.)";
@@ -59,7 +64,7 @@ constexpr const char* kExitCodes =
 HelpText help() {
   return {.common = {"--method", "--threshold", "--regions", "--range-max", "--support-plane-distance", "--view",
                      "--depth", "--rgb", "--intrinsics", "--server", "--local", "--output", "--drop-unlabelled",
-                     "--picture", "--result", "--segments", "--json", "--out-dir"},
+                     "--picture", "--result", "--segments", "--json", "--out-dir", "--topic"},
           .examples = kExamples,
           .details = kDetails,
           .exit_codes = kExitCodes};
@@ -198,6 +203,10 @@ absl::Status segment_one(const SegmentArguments& arguments) {
 
 absl::Status run(const SegmentArguments& arguments) {
   RETURN_IF_ERROR(arguments.check_combination());
+  if (arguments.scenes.size() == 1 && is_recording_file(arguments.scenes.front())) return segment_recording(arguments);
+  if (arguments.recording.given()) {
+    return absl::InvalidArgumentError("--topic and --only-topic are for one recording (MCAP)");
+  }
   return arguments.out_dir.empty() ? segment_one(arguments) : segment_many(arguments);
 }
 

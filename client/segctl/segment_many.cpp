@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
-#include <filesystem>
-#include <system_error>
 #include <thread>
 
 #include "client/segctl/batch.hpp"
+#include "client/segctl/output_folder.hpp"
 #include "core/base/status_macros.hpp"
-#include "fmt/format.h"
 #include "segserve/v1/segmentation_service.pb.h"
 
 namespace segserve::segctl {
@@ -34,14 +32,6 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   // Without this limit, every file would wait for its timeout before it fails.
   job.stream.longest_outage = std::min<std::chrono::milliseconds>(kLongestOutage, job.stream.frame_timeout / 2);
   return absl::OkStatus();
-}
-
-absl::Status make_folder(const std::string& path) {
-  std::error_code error;
-  std::filesystem::create_directories(path, error);
-  if (std::filesystem::is_directory(path)) return absl::OkStatus();
-  return absl::InvalidArgumentError(
-      fmt::format("--out-dir: cannot make the folder {}: {}", path, error ? error.message() : "it is a file"));
 }
 
 }  // namespace

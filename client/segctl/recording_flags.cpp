@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "client/segctl/recording_flags.hpp"
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <system_error>
+
+#include "segserve/client/topic_reader.hpp"
+
+namespace segserve::segctl {
+
+void RecordingFlags::add_to(CLI::App& app) {
+  const std::string group = "Recordings (MCAP)";
+  app.add_option("--topic", topic, "topic of a recording whose clouds are segmented; default: the only one that can be")
+      ->type_name("NAME")
+      ->group(group);
+  app.add_flag("--only-topic", only_topic, "leave the other topics out of the recording that -o writes")->group(group);
+}
+
+bool is_recording_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  std::array<char, 16> begin{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), begin.size());
+  return client::is_recording(std::string_view(begin.data(), static_cast<std::size_t>(file.gcount())));
+}
+
+}  // namespace segserve::segctl
