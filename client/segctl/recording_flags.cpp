@@ -12,11 +12,20 @@
 namespace segserve::segctl {
 
 void RecordingFlags::add_to(CLI::App& app) {
-  const std::string group = "Recordings (MCAP)";
-  app.add_option("--topic", topic, "topic of a recording whose clouds are segmented; default: the only one that can be")
+  app.add_option("--topic", topic, "topic whose clouds or depth images are taken; default: the only one that can be")
       ->type_name("NAME")
-      ->group(group);
-  app.add_flag("--only-topic", only_topic, "leave the other topics out of the recording that -o writes")->group(group);
+      ->group(kGroup);
+  app.add_option("--color-topic", color_topic, "topic with the colors of depth images, aligned and of the same size")
+      ->type_name("NAME")
+      ->group(kGroup);
+  app.add_option("--camera-info-topic", camera_info_topic,
+                 "topic with the camera of depth images; default: camera_info beside their topic")
+      ->type_name("NAME")
+      ->group(kGroup);
+}
+
+void RecordingFlags::add_output_to(CLI::App& app) {
+  app.add_flag("--only-topic", only_topic, "leave the other topics out of the recording that -o writes")->group(kGroup);
 }
 
 bool is_recording_file(const std::string& path) {

@@ -79,7 +79,7 @@ absl::Status RecordingOutput::copy(const recording::Item& item, const recording:
 
 absl::Status RecordingOutput::write(const recording::RecordedFrame& frame,
                                     std::optional<std::span<const std::uint32_t>> labels,
-                                    const recording::Definitions& definitions) {
+                                    const recording::FrameReader& reader) {
   recording::Message message = frame.message;
   message.data = frame.bytes;
   std::string labeled;
@@ -87,7 +87,14 @@ absl::Status RecordingOutput::write(const recording::RecordedFrame& frame,
     ASSIGN_OR_RETURN(labeled, recording::labeled_message(frame, *labels));
     message.data = labeled;
   }
-  RETURN_IF_ERROR(define(message.channel, definitions));
+  if (!reader.reads_images()) {
+    RETURN_IF_ERROR(define(message.channel, reader.definitions()));
+    return writer_->write(message);
+  }
+  if (!labels) return absl::OkStatus();
+  message.channel = reader.free_number();
+  RETURN_IF_ERROR(writer_->define(message.channel, recording::point_cloud2_schema()));
+  RETURN_IF_ERROR(writer_->define(message.channel, {message.channel, reader.topic().name + "/labeled", "cdr", {}}));
   return writer_->write(message);
 }
 

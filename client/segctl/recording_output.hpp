@@ -27,9 +27,10 @@ class RecordingOutput {
 
   /// Copies a message or an extra.
   absl::Status copy(const recording::Item& item, const recording::Definitions& definitions);
-  /// Writes the message of a frame with its labels or, without labels, as it was.
+  /// Writes the message of a frame with its labels or, without labels, as it was. Of images it writes a cloud, on a
+  /// topic of its own, or nothing.
   absl::Status write(const recording::RecordedFrame& frame, std::optional<std::span<const std::uint32_t>> labels,
-                     const recording::Definitions& definitions);
+                     const recording::FrameReader& reader);
   /// Defines a channel, so that it is listed even if it has no messages.
   absl::Status define(std::uint16_t channel, const recording::Definitions& definitions);
   /// Completes the file and gives it its name.

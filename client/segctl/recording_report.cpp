@@ -11,8 +11,22 @@
 #include "nlohmann/json.hpp"
 
 namespace segserve::segctl {
+namespace {
+
+constexpr std::size_t kMostWarnings = 20;
+
+}  // namespace
 
 void RecordingReport::add(const client::TopicFrame& frame, const absl::StatusOr<client::Result>& result) {
+  if (json_.wanted) add_line(frame, result);
+  if (result.ok()) {
+    add_result(*result);
+  } else {
+    add_failure(frame, result.status());
+  }
+}
+
+void RecordingReport::add_line(const client::TopicFrame& frame, const absl::StatusOr<client::Result>& result) {
   nlohmann::ordered_json json = {{"input", input_},
                                  {"topic", topic_.name},
                                  {"frame", frame.index},
@@ -21,31 +35,44 @@ void RecordingReport::add(const client::TopicFrame& frame, const absl::StatusOr<
                                  {"frame_id", frame.frame_id},
                                  {"state", result.ok() ? "segmented" : "failed"},
                                  {"error", nullptr}};
-  if (!result.ok()) {
-    json["error"] = message_of(result.status());
-    failures_.push_back({frame.index, result.status()});
-  } else {
+  if (result.ok()) {
     json.update(to_json(Summary{.result = *result,
                                 .input = input_,
                                 .server = result->in_this_process ? "" : server_,
                                 .timings = stage_timings(*result),
-                                .with_segments = with_segments_}));
-    const std::uint32_t segments = result->segmentation.segments;
-    fewest_ = segmented_ == 0 ? segments : std::min(fewest_, segments);
-    most_ = std::max(most_, segments);
-    if (segmented_ == 0) view_rule_ = result->view_rule;
-    ++segmented_;
-    points_ += result->points;
-    segments_ += segments;
-    in_this_process_ = in_this_process_ || result->in_this_process;
-    for (const codec::Warning& warning : result->warnings) ++of_frames_[warning.message];
+                                .with_segments = json_.with_segments}));
+  } else {
+    json["error"] = message_of(result.status());
   }
   lines_ += json_text(json);
 }
 
-std::vector<std::string> RecordingReport::warning_lines(const std::vector<codec::Warning>& warnings) const {
+void RecordingReport::add_failure(const client::TopicFrame& frame, const absl::Status& status) {
+  if (failed_ == 0) first_failure_ = fmt::format("frame {}: {}", frame.index, message_of(status));
+  ++failed_;
+  all_are_bad_input_ = all_are_bad_input_ && exit_code(status) == kBadInput;
+}
+
+void RecordingReport::add_result(const client::Result& result) {
+  const std::uint32_t segments = result.segmentation.segments;
+  fewest_ = segmented_ == 0 ? segments : std::min(fewest_, segments);
+  most_ = std::max(most_, segments);
+  if (segmented_ == 0) view_rule_ = result.view_rule;
+  ++segmented_;
+  points_ += result.points;
+  segments_ += segments;
+  in_this_process_ = in_this_process_ || result.in_this_process;
+  for (const codec::Warning& warning : result.warnings) {
+    const bool is_told = of_frames_.size() < kMostWarnings || of_frames_.contains(warning.message);
+    ++of_frames_[is_told ? warning.message : "there are more kinds of warnings than are told here"];
+  }
+}
+
+std::vector<std::string> RecordingReport::warning_lines(const std::vector<codec::Warning>& warnings,
+                                                        bool with_frames) const {
   std::vector<std::string> lines;
   for (const codec::Warning& warning : warnings) lines.push_back(warning.message);
+  if (!with_frames) return lines;
   for (const auto& [message, frames] : of_frames_) {
     lines.push_back(fmt::format("{} ({} frame{})", message, frames, frames == 1 ? "" : "s"));
   }
@@ -53,8 +80,7 @@ std::vector<std::string> RecordingReport::warning_lines(const std::vector<codec:
 }
 
 std::string RecordingReport::text(const std::vector<codec::Warning>& warnings) const {
-  std::string text =
-      fmt::format("{}, {}: {} frames segmented, {} failed", input_, topic_.name, segmented_, failures_.size());
+  std::string text = fmt::format("{}, {}: {} frames segmented, {} failed", input_, topic_.name, segmented_, failed_);
   if (segmented_ > 0) {
     const auto mean = [this](std::uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(segmented_); };
     text += fmt::format("; {:.0f} points and {:.1f} segments a frame ({} to {})", mean(points_), mean(segments_),
@@ -62,22 +88,18 @@ std::string RecordingReport::text(const std::vector<codec::Warning>& warnings) c
     text += fmt::format("\nfirst frame: {}", view_rule_);
   }
   text += "\n";
-  for (const std::string& line : warning_lines(warnings)) text += fmt::format("warning: {}\n", line);
+  for (const std::string& line : warning_lines(warnings, true)) text += fmt::format("warning: {}\n", line);
   return text;
 }
 
-void RecordingReport::print_warnings(const std::vector<codec::Warning>& warnings) const {
-  for (const std::string& line : warning_lines(warnings)) print_warning(line);
+void RecordingReport::print_warnings(const std::vector<codec::Warning>& warnings, bool with_frames) const {
+  for (const std::string& line : warning_lines(warnings, with_frames)) print_warning(line);
 }
 
 absl::Status RecordingReport::status() const {
-  if (failures_.empty()) return absl::OkStatus();
-  const bool is_bad_input =
-      std::ranges::all_of(failures_, [](const Failure& failure) { return exit_code(failure.status) == kBadInput; });
-  const Failure& first = failures_.front();
-  const std::string message = fmt::format("{} of {} frames failed; frame {}: {}", failures_.size(), frames(),
-                                          first.frame, message_of(first.status));
-  return is_bad_input ? absl::InvalidArgumentError(message) : absl::UnavailableError(message);
+  if (failed_ == 0) return absl::OkStatus();
+  const std::string message = fmt::format("{} of {} frames failed; {}", failed_, frames(), first_failure_);
+  return all_are_bad_input_ ? absl::InvalidArgumentError(message) : absl::UnavailableError(message);
 }
 
 }  // namespace segserve::segctl

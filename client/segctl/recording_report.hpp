@@ -18,35 +18,40 @@ namespace segserve::segctl {
 /// Collects what became of the frames of a recording.
 class RecordingReport {
  public:
-  /// `with_segments` as in Summary.
-  RecordingReport(std::string input, client::TopicInfo topic, std::string server, bool with_segments)
-      : input_(std::move(input)), topic_(std::move(topic)), server_(std::move(server)), with_segments_(with_segments) {}
+  /// Whether the frames are told as JSON, with the statistics of their segments.
+  struct Json {
+    bool wanted = false;
+    bool with_segments = false;
+  };
+
+  RecordingReport(std::string input, client::TopicInfo topic, std::string server, Json json)
+      : input_(std::move(input)), topic_(std::move(topic)), server_(std::move(server)), json_(json) {}
 
   void add(const client::TopicFrame& frame, const absl::StatusOr<client::Result>& result);
-  std::size_t frames() const { return segmented_ + failures_.size(); }
+  std::size_t frames() const { return segmented_ + failed_; }
 
   /// One JSON object a frame, each on a line.
   const std::string& json_lines() const { return lines_; }
   /// A few lines for people. `warnings` are those of the recording as a whole.
   std::string text(const std::vector<codec::Warning>& warnings) const;
-  /// Writes a line on standard error for each kind of warning.
-  void print_warnings(const std::vector<codec::Warning>& warnings) const;
+  /// Writes a line on standard error for each kind of warning. Those of frames may be left out, because json_lines()
+  /// has them.
+  void print_warnings(const std::vector<codec::Warning>& warnings, bool with_frames) const;
   /// Whether a frame was segmented without a server.
   bool in_this_process() const { return in_this_process_; }
   /// OK if no frame failed; else tells how many, and why the first of them did.
   absl::Status status() const;
 
  private:
-  struct Failure {
-    std::uint64_t frame = 0;
-    absl::Status status;
-  };
-  std::vector<std::string> warning_lines(const std::vector<codec::Warning>& warnings) const;
+  void add_line(const client::TopicFrame& frame, const absl::StatusOr<client::Result>& result);
+  void add_failure(const client::TopicFrame& frame, const absl::Status& status);
+  void add_result(const client::Result& result);
+  std::vector<std::string> warning_lines(const std::vector<codec::Warning>& warnings, bool with_frames) const;
 
   std::string input_;
   client::TopicInfo topic_;
   std::string server_;
-  bool with_segments_;
+  Json json_;
   std::string lines_;
   std::size_t segmented_ = 0;
   std::uint64_t points_ = 0, segments_ = 0;
@@ -54,7 +59,9 @@ class RecordingReport {
   bool in_this_process_ = false;
   std::string view_rule_;                         ///< of the first frame
   std::map<std::string, std::size_t> of_frames_;  ///< warnings of frames, and how many have them
-  std::vector<Failure> failures_;
+  std::size_t failed_ = 0;
+  std::string first_failure_;      ///< the first frame that failed, and why
+  bool all_are_bad_input_ = true;  ///< all that failed
 };
 
 }  // namespace segserve::segctl

@@ -14,8 +14,8 @@ constexpr double kDefaultTimeout = 30;
 void SegmentArguments::add_to(CLI::App& app) {
   app.add_option(
          "SCENE", scenes,
-         "PCD or PLY file, or a recording (MCAP); - is standard input; with --out-dir several files, or folders of "
-         "them")
+         "PCD or PLY file, or a recording (MCAP or ROS 1 bag); - is standard input; with --out-dir several files, or "
+         "folders of them")
       ->type_name("FILE");
   options.add_to(app);
   app.add_option("--view", view,
@@ -26,6 +26,7 @@ void SegmentArguments::add_to(CLI::App& app) {
   unit.add_to(app, "Segmentation");
   rgbd.add_to(app);
   recording.add_to(app);
+  recording.add_output_to(app);
   server.add_to(app, kDefaultTimeout);
   app.add_flag("--local", local, "segment in this process, without a server")->group("Server");
   app.add_flag("--fallback-local", fallback_local, "segment in this process if no server is in reach")->group("Server");

@@ -50,8 +50,9 @@ are in the file's coordinates and unit again; all lengths on the command line ar
 Lossy codecs move points by at most their error bound. The labels still come back in the order of the input. With
 --local and a codec, the points are segmented as a server would see them.
 
-Of a recording, the clouds of one topic are segmented. The recording that -o writes has them with the field "label", and
-everything else as it was. A frame that fails stays without labels. With --out-dir, every frame becomes a PCD file.
+Of a recording, the clouds or depth images of one topic are segmented. The recording that -o writes has the clouds with the
+field "label", those of images on the new topic TOPIC/labeled, and everything else as it was. A frame that fails stays
+without labels. With --out-dir, every frame becomes a PCD file.
 
 With --out-dir, a file that fails stops no other; errors are listed at the end, one a line. The exit code is then 2 if
 every file that failed was bad input, else 1. Ctrl-C stops the rest, and so do servers that are all out of reach for 10 s
@@ -205,7 +206,8 @@ absl::Status run(const SegmentArguments& arguments) {
   RETURN_IF_ERROR(arguments.check_combination());
   if (arguments.scenes.size() == 1 && is_recording_file(arguments.scenes.front())) return segment_recording(arguments);
   if (arguments.recording.given()) {
-    return absl::InvalidArgumentError("--topic and --only-topic are for one recording (MCAP)");
+    return absl::InvalidArgumentError(
+        "--topic, --color-topic, --camera-info-topic and --only-topic are for one recording (MCAP or ROS 1 bag)");
   }
   return arguments.out_dir.empty() ? segment_one(arguments) : segment_many(arguments);
 }

@@ -72,9 +72,12 @@ absl::Status RecordingRun::open() {
   ASSIGN_OR_RETURN(const SegmentRequest request, arguments_.request());
   client::TopicReaderOptions options;
   options.topic = arguments_.recording.topic;
+  options.color_topic = arguments_.recording.color_topic;
+  options.camera_info_topic = arguments_.recording.camera_info_topic;
   options.view = request.view;
   ASSIGN_OR_RETURN(reader_, recording::FrameReader::open(input_, options, {}));
-  report_.emplace(input_, reader_->topic(), arguments_.local ? "" : arguments_.server.address(), request.segments);
+  report_.emplace(input_, reader_->topic(), arguments_.local ? "" : arguments_.server.address(),
+                  RecordingReport::Json{arguments_.json.given(), request.segments});
   ASSIGN_OR_RETURN(segmentation_, FrameSegmentation::start(arguments_));
   if (!arguments_.out_dir.empty()) RETURN_IF_ERROR(make_folder(arguments_.out_dir));
   if (path.empty()) return absl::OkStatus();
@@ -111,12 +114,11 @@ absl::Status RecordingRun::write(SegmentedFrame& done) {
   if (!arguments_.out_dir.empty() && done.result.ok()) RETURN_IF_ERROR(write_file(done));
   if (!output_) return absl::OkStatus();
   if (done.result.ok()) {
-    const absl::Status written =
-        output_->write(done.recorded, done.result->segmentation.labels, reader_->definitions());
+    const absl::Status written = output_->write(done.recorded, done.result->segmentation.labels, *reader_);
     if (!absl::IsInvalidArgument(written)) return written;
     done.result = written;  // There is no room for labels.
   }
-  return output_->write(done.recorded, std::nullopt, reader_->definitions());
+  return output_->write(done.recorded, std::nullopt, *reader_);
 }
 
 absl::Status RecordingRun::write_file(const SegmentedFrame& done) const {
@@ -133,7 +135,8 @@ absl::Status RecordingRun::write_file(const SegmentedFrame& done) const {
 absl::Status RecordingRun::finish_output() {
   if (!output_) return absl::OkStatus();
   for (const auto& [number, channel] : reader_->definitions().channels) {
-    const bool is_kept = !arguments_.recording.only_topic || channel.topic == reader_->topic().name;
+    const bool is_kept =
+        !arguments_.recording.only_topic || (channel.topic == reader_->topic().name && !reader_->reads_images());
     if (is_kept) RETURN_IF_ERROR(output_->define(number, reader_->definitions()));
   }
   return output_->finish();
@@ -145,7 +148,7 @@ absl::Status RecordingRun::report() {
   if (!arguments_.quiet && !staged_.uses_stdout()) {
     staged_.add("-", report_->text(reader_->warnings()));
   } else if (!arguments_.quiet) {
-    report_->print_warnings(reader_->warnings());
+    report_->print_warnings(reader_->warnings(), !arguments_.json.given());
   }
   RETURN_IF_ERROR(staged_.commit());
   return report_->status();

@@ -12,7 +12,7 @@ import node_packages
 
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGES = {"@mcap/core": "2.2.2", "@mcap/support": "1.1.0", "@foxglove/rosmsg": "5.0.5",
-            "@foxglove/rosmsg2-serialization": "3.1.0", "@foxglove/wasm-zstd": "1.0.1", "lz4js": "0.2.0"}
+            "@foxglove/rosmsg2-serialization": "3.1.0", "@foxglove/wasm-zstd": "1.0.1", "lz4js": "0.2.0", "protobufjs": "7.2.5"}
 LINE = "=" * 80 + "\n"
 TIME = LINE + "MSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n"
 HEADER = LINE + "MSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n" + TIME
@@ -34,6 +34,62 @@ uint8 datatype
 uint32 count
 """ + HEADER
 STRING = "string data\n"
+IMAGE = """std_msgs/Header header
+uint32 height
+uint32 width
+string encoding
+uint8 is_bigendian
+uint32 step
+uint8[] data
+""" + HEADER
+COMPRESSED_IMAGE = "std_msgs/Header header\nstring format\nuint8[] data\n" + HEADER
+CAMERA_INFO = """std_msgs/Header header
+uint32 height
+uint32 width
+string distortion_model
+float64[] d
+float64[9] k
+float64[9] r
+float64[12] p
+uint32 binning_x
+uint32 binning_y
+sensor_msgs/RegionOfInterest roi
+""" + LINE + """MSG: sensor_msgs/RegionOfInterest
+uint32 x_offset
+uint32 y_offset
+uint32 height
+uint32 width
+bool do_rectify
+""" + HEADER
+FOXGLOVE = """syntax = "proto3";
+package foxglove;
+message Timestamp { int64 seconds = 1; int32 nanos = 2; }
+message PackedElementField {
+  enum NumericType { UNKNOWN = 0; UINT8 = 1; INT8 = 2; UINT16 = 3; INT16 = 4; UINT32 = 5; INT32 = 6; FLOAT32 = 7; FLOAT64 = 8; }
+  string name = 1;
+  fixed32 offset = 2;
+  NumericType type = 3;
+}
+message PointCloud {
+  Timestamp timestamp = 1;
+  string frame_id = 2;
+  fixed32 point_stride = 4;
+  repeated PackedElementField fields = 5;
+  bytes data = 6;
+}
+message CompressedImage { Timestamp timestamp = 1; bytes data = 2; string format = 3; string frame_id = 4; }
+message CameraCalibration {
+  Timestamp timestamp = 1;
+  fixed32 width = 2;
+  fixed32 height = 3;
+  string distortion_model = 4;
+  repeated double D = 5;
+  repeated double K = 6;
+  repeated double R = 7;
+  repeated double P = 8;
+  string frame_id = 9;
+}
+"""
 FIRST = 1_700_000_000_000_000_000  # nanoseconds
 
 missing = None if shutil.which("npm") else "there is no npm"
@@ -97,6 +153,39 @@ def clouds(topic, messages):
     return channel(topic, "sensor_msgs/msg/PointCloud2", POINT_CLOUD2, messages)
 
 
+def images(topic, messages):
+    return channel(topic, "sensor_msgs/msg/Image", IMAGE, messages)
+
+
+def image(nanoseconds, width, encoding, data, frame_id="camera_depth_optical_frame"):
+    step = width * {"rgb8": 3, "16UC1": 2, "32FC1": 4}[encoding]
+    return {"header": header(nanoseconds, frame_id), "height": len(data) // step, "width": width, "encoding": encoding,
+            "is_bigendian": 0, "step": step, "data": text(data)}
+
+
+def compressed_images(topic, messages):
+    return channel(topic, "sensor_msgs/msg/CompressedImage", COMPRESSED_IMAGE, messages)
+
+
+def compressed_image(nanoseconds, form, data):
+    return {"header": header(nanoseconds, "camera_depth_optical_frame"), "format": form, "data": text(data)}
+
+
+def camera_info(nanoseconds, width, height, fx, fy, cx, cy, distortion=()):
+    return {"header": header(nanoseconds, "camera_depth_optical_frame"), "height": height, "width": width,
+            "distortion_model": "plumb_bob", "d": list(distortion), "k": [fx, 0, cx, 0, fy, cy, 0, 0, 1],
+            "r": [1, 0, 0, 0, 1, 0, 0, 0, 1], "p": [fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0], "binning_x": 0,
+            "binning_y": 0, "roi": {"x_offset": 0, "y_offset": 0, "height": 0, "width": 0, "do_rectify": False}}
+
+
+def cameras(topic, messages):
+    return channel(topic, "sensor_msgs/msg/CameraInfo", CAMERA_INFO, messages)
+
+
+def foxglove(topic, kind, messages):
+    return channel(topic, f"foxglove.{kind}", FOXGLOVE, messages, "protobuf", "protobuf")
+
+
 def write(path, channels, compression="zstd", chunks=True, profile="ros2"):
     spec = path.with_suffix(".json")
     spec.write_text(json.dumps({"compression": compression, "chunks": chunks, "profile": profile, "channels": channels,
@@ -106,4 +195,6 @@ def write(path, channels, compression="zstd", chunks=True, profile="ros2"):
 
 
 def read(path):
-    return json.loads(node("read", path))
+    proto = path.with_suffix(".proto")
+    proto.write_text(FOXGLOVE)
+    return json.loads(node("read", path, proto))

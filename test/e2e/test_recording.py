@@ -2,14 +2,16 @@
 """segctl segment reads and writes recordings as the libraries of Foxglove do."""
 import base64
 import json
+import struct
 import unittest
 
 from harness import BAD_INPUT, FAILED, EndToEnd, segctl
 import pcd
+import png
 import recordings
 
 
-class Recording(EndToEnd):
+class RecordingTest(EndToEnd):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
@@ -17,6 +19,8 @@ class Recording(EndToEnd):
             raise unittest.SkipTest(f"no recording was tried: {recordings.missing}")
         recordings.node("check")
 
+
+class Recording(RecordingTest):
     def scene(self, seed):
         """A scene as a file, and its points with an intensity each."""
         scene = self.synth("--seed", seed, "--width", 80, "--height", 60, name=f"scene-{seed}.pcd")
@@ -120,7 +124,7 @@ class Recording(EndToEnd):
         bag = self.path("run.db3")
         bag.write_bytes(b"SQLite format 3\0" + bytes(100))
         for flags, said in (((run, "--topic", "/point"), "its topics are /points (sensor_msgs/msg/PointCloud2, cdr, 1 "),
-                            ((run, "--topic", "/text"), "std_msgs/msg/String (cdr), which cannot be read"),
+                            ((run, "--topic", "/text"), "std_msgs/msg/String (cdr): it is no topic that can be read"),
                             ((run, "-o", "x.pcd"), ".mcap"), ((run, "--picture", "x.png"), "--picture"),
                             ((run, "-o", self.path("x.mcap"), "--color", "segment"), "--color"),
                             ((bag,), "ros2 bag convert"),
@@ -133,6 +137,119 @@ class Recording(EndToEnd):
         labeled = self.path("labeled.mcap")
         self.run_badly(FAILED, "segment", run, "--server", "127.0.0.1:1", "-o", labeled)
         self.assertEqual(list(self.folder.glob(f"{labeled.name}*")), [])
+
+
+WIDTH, HEIGHT = 80, 60
+CAMERA = (WIDTH, HEIGHT, 70.0, 71.0, 39.5, 29.5)
+DEPTH = [0 if u < 3 else 700 if 20 <= u < 45 and 15 <= v < 40 else 900 + 2 * v for v in range(HEIGHT) for u in range(WIDTH)]
+COLORS = [0x9060C0 if depth == 700 else 0x406080 for depth in DEPTH]
+
+
+class RecordedImages(RecordingTest):
+    """Images in a recording give the clouds that the same images give as files."""
+
+    def setUp(self):
+        self.depth_png, self.color_png = self.path("depth.png"), self.path("color.png")
+        self.depth_png.write_bytes(png.gray16(WIDTH, HEIGHT, DEPTH))
+        self.color_png.write_bytes(png.rgb8(WIDTH, HEIGHT, COLORS))
+        self.expected = self.labels_of_files("--rgb", self.color_png)
+
+    def labels_of_files(self, *flags):
+        labeled = self.path("files.pcd")
+        self.run_well("segment", "--depth", self.depth_png, *flags, "--intrinsics", ",".join(map(str, CAMERA[2:])),
+                      "--depth-scale", "0.001", "--local", "-q", "-o", labeled)
+        return pcd.read_labels(labeled)
+
+    def check(self, run, topic, expected, *flags):
+        labeled = self.path("labeled.mcap")
+        done = self.run_well("segment", run, "--local", "-o", labeled, "--json", "-", *flags)
+        told = [json.loads(line) for line in done.stdout.splitlines()]
+        after = recordings.read(labeled)
+        clouds = [m for m in after["messages"] if m["topic"] == f"{topic}/labeled"]
+        self.assertEqual(len(clouds), len(told))
+        for cloud, line in zip(clouds, told):
+            self.assertEqual(cloud["type"], "sensor_msgs/msg/PointCloud2")
+            self.assertEqual(recordings.labels_of(cloud["decoded"])[0], expected)
+            self.assertEqual((cloud["decoded"]["width"], cloud["decoded"]["height"]), (WIDTH, HEIGHT))
+            self.assertEqual(cloud["decoded"]["header"]["frame_id"], "camera_depth_optical_frame")
+            self.assertEqual((int(cloud["logTime"]), line["view"]), (line["log_time_ns"], "camera"))
+        self.assertEqual(len(after["messages"]), len(recordings.read(run)["messages"]) + len(told), "the rest is copied")
+        return told
+
+    def test_raw_images_with_color(self):
+        depth = struct.pack(f"<{len(DEPTH)}H", *DEPTH)
+        color = b"".join(value.to_bytes(3, "big") for value in COLORS)
+        at = recordings.FIRST
+        run = recordings.write(self.path("run.mcap"), [
+            recordings.images("/camera/depth/image_raw",
+                              [(i * 10**8, recordings.image(at + i * 10**8, WIDTH, "16UC1", depth)) for i in range(3)]),
+            recordings.images("/camera/color/image_raw",
+                              [(i * 10**8 + 10**7, recordings.image(at + i * 10**8 + 10**7, WIDTH, "rgb8", color))
+                               for i in range(3)]),
+            recordings.cameras("/camera/depth/camera_info", [(5, recordings.camera_info(at, *CAMERA))])])
+        topic = "/camera/depth/image_raw"
+        told = self.check(run, topic, self.expected, "--topic", topic, "--color-topic", "/camera/color/image_raw")
+        self.assertEqual([line["warnings"] for line in told], [[]] * 3)
+        self.check(run, topic, self.labels_of_files())  # the only topic with depth in its name, without color
+
+    def test_compressed_depth_and_a_distorted_camera(self):
+        at = recordings.FIRST
+        packed = bytes(12) + self.depth_png.read_bytes()
+        topic = "/camera/depth/image_raw/compressedDepth"
+        run = recordings.write(self.path("run.mcap"), [
+            recordings.compressed_images(topic, [(0, recordings.compressed_image(at, "16UC1; compressedDepth png", packed))]),
+            recordings.cameras("/camera/depth/camera_info", [(5, recordings.camera_info(at, *CAMERA, (0.1, 0, 0, 0, 0)))])])
+        told = self.check(run, topic, self.labels_of_files())
+        self.assertIn("distorted lens", told[0]["warnings"][0]["message"])
+
+    def test_images_of_foxglove(self):
+        stamp = {"seconds": 1, "nanos": 2}
+        width, height, fx, fy, cx, cy = CAMERA
+        topic = "/camera/depth"
+        message = {"timestamp": stamp, "frame_id": "camera_depth_optical_frame", "format": "png"}
+        run = recordings.write(self.path("run.mcap"), [
+            recordings.foxglove(topic, "CompressedImage",
+                                [(0, message | {"data": recordings.text(self.depth_png.read_bytes())})]),
+            recordings.foxglove("/camera/color", "CompressedImage",
+                                [(1, message | {"data": recordings.text(self.color_png.read_bytes())})]),
+            recordings.foxglove("/camera/calibration", "CameraCalibration",
+                                [(2, {"timestamp": stamp, "width": width, "height": height,
+                                      "K": [fx, 0, cx, 0, fy, cy, 0, 0, 1]})])], profile="")
+        self.check(run, topic, self.expected, "--topic", topic, "--color-topic", "/camera/color")
+
+    def test_what_is_missing_is_told(self):
+        depth = struct.pack(f"<{len(DEPTH)}H", *DEPTH)
+        topic = "/camera/depth/image_raw"
+        images = recordings.images(topic, [(0, recordings.image(recordings.FIRST, WIDTH, "16UC1", depth))])
+        run = recordings.write(self.path("run.mcap"), [images])
+        self.assertIn("there is no topic /camera/depth/camera_info", self.run_badly(BAD_INPUT, "segment", run, "--local"))
+        camera = recordings.cameras("/camera/depth/camera_info", [])
+        run = recordings.write(self.path("run.mcap"), [images, camera])
+        self.assertIn("has no message", self.run_badly(BAD_INPUT, "segment", run, "--local"))
+        self.assertIn("there is no topic /color; its topics are",
+                      self.run_badly(BAD_INPUT, "segment", run, "--local", "--color-topic", "/color"))
+
+
+class FoxgloveClouds(RecordingTest):
+    def test_a_cloud_gets_labels_and_keeps_its_fields(self):
+        points = [(0.01 * (i % 30), 0.01 * (i // 30), 1.0 + (0.2 if i % 30 > 15 else 0), i % 256) for i in range(900)]
+        data = b"".join(struct.pack("<3fB", *point) for point in points)
+        fields = [{"name": name, "offset": 4 * i, "type": 7} for i, name in enumerate("xyz")]
+        message = {"timestamp": {"seconds": 7, "nanos": 8}, "frame_id": "lidar", "point_stride": 13,
+                   "fields": [*fields, {"name": "intensity", "offset": 12, "type": 1}], "data": recordings.text(data)}
+        run = recordings.write(self.path("run.mcap"), [recordings.foxglove("/points", "PointCloud", [(0, message)])])
+        labeled = self.path("labeled.mcap")
+        self.run_well("segment", run, "--local", "-o", labeled)
+        old, new = (recordings.read(path)["messages"][0]["decoded"] for path in (run, labeled))
+        self.assertEqual((new["timestamp"], new["frame_id"]), (old["timestamp"], "lidar"))
+        self.assertEqual(new["fields"], [*old["fields"], {"name": "label", "offset": 16, "type": 5}])
+        after = base64.b64decode(new["data"])
+        self.assertEqual((new["point_stride"], len(after)), (20, 20 * 900))
+        rows = [after[at:at + 20] for at in range(0, len(after), 20)]
+        self.assertEqual(b"".join(row[:13] for row in rows), data)
+        scene = self.path("scene.pcd")
+        scene.write_bytes(pcd.binary_file([point[:3] for point in points]))
+        self.assertEqual([int.from_bytes(row[16:], "little") for row in rows], self.segment_locally(scene)[0])
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ struct PointCloud2 {
   codec::StridedLayout layout;
   std::string_view data;  ///< in the message
   bool is_dense = false;
+  bool has_pose = false;  ///< of Foxglove's messages: the points lie in a frame that is moved against header.frame_id
 };
 
 /// Reads a message. INVALID_ARGUMENT if it is shorter than it claims, or has more than 4,096 fields. The layout itself

@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/recording/topic/message_type.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string>
-#include <utility>
+#include <string_view>
 
 namespace segserve::recording {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, MessageKind>, 1> kRosKinds{
-    {{"sensor_msgs/PointCloud2", MessageKind::kPointCloud2}}};
+struct KindNames {
+  std::string_view ros, foxglove;
+  MessageKind kind;
+};
+
+constexpr std::array<KindNames, 4> kKinds{
+    {{"sensor_msgs/PointCloud2", "foxglove.PointCloud", MessageKind::kPointCloud2},
+     {"sensor_msgs/Image", "foxglove.RawImage", MessageKind::kRawImage},
+     {"sensor_msgs/CompressedImage", "foxglove.CompressedImage", MessageKind::kCompressedImage},
+     {"sensor_msgs/CameraInfo", "foxglove.CameraCalibration", MessageKind::kCameraInfo}}};
 
 /// The name of a ROS type as ROS 1 writes it, without "msg/".
 std::string ros1_name(std::string name) {
@@ -17,19 +26,25 @@ std::string ros1_name(std::string name) {
   return name;
 }
 
-}  // namespace
-
-std::optional<MessageType> message_type(const Channel& channel, const Schema& schema) {
-  const bool is_cdr = channel.message_encoding == "cdr";
-  if (is_cdr || channel.message_encoding == "ros1") {
-    const std::string name = ros1_name(schema.name);
-    for (const auto& [ros_name, kind] : kRosKinds) {
-      if (name == ros_name) return MessageType{kind, is_cdr ? RosWire::kCdr : RosWire::kRos1};
-    }
-  }
+std::optional<MessageEncoding> encoding_of(std::string_view name) {
+  if (name == "cdr") return MessageEncoding::kCdr;
+  if (name == "ros1") return MessageEncoding::kRos1;
+  if (name == "protobuf") return MessageEncoding::kProtobuf;
   return std::nullopt;
 }
 
-bool has_frames(MessageKind kind) { return kind == MessageKind::kPointCloud2; }
+}  // namespace
+
+std::optional<MessageType> message_type(const Channel& channel, const Schema& schema) {
+  const auto encoding = encoding_of(channel.message_encoding);
+  if (!encoding) return std::nullopt;
+  const bool is_foxglove = *encoding == MessageEncoding::kProtobuf;
+  const auto* found = std::ranges::find(kKinds, is_foxglove ? schema.name : ros1_name(schema.name),
+                                        is_foxglove ? &KindNames::foxglove : &KindNames::ros);
+  if (found == kKinds.end()) return std::nullopt;
+  return MessageType{found->kind, *encoding};
+}
+
+bool is_image(MessageKind kind) { return kind == MessageKind::kRawImage || kind == MessageKind::kCompressedImage; }
 
 }  // namespace segserve::recording

@@ -5,24 +5,27 @@
 #include <optional>
 
 #include "client/recording/message_source.hpp"
-#include "client/recording/ros/ros_reader.hpp"
 
 namespace segserve::recording {
 
-/// The kinds of messages that are read.
+/// The kinds of messages that are read, by the names of ROS; Foxglove has its own for each.
 enum class MessageKind : std::uint8_t {
-  kPointCloud2,  ///< sensor_msgs/PointCloud2
+  kPointCloud2,
+  kRawImage,
+  kCompressedImage,
+  kCameraInfo,
 };
+
+enum class MessageEncoding : std::uint8_t { kCdr, kRos1, kProtobuf };
 
 struct MessageType {
   MessageKind kind{};
-  RosWire wire{};  ///< of ROS messages
+  MessageEncoding encoding{};
 };
 
 /// The type of a channel's messages; nothing if they are not read.
 std::optional<MessageType> message_type(const Channel& channel, const Schema& schema);
 
-/// Whether frames are made of such messages.
-bool has_frames(MessageKind kind);
+bool is_image(MessageKind kind);
 
 }  // namespace segserve::recording

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <map>
 
-#include "client/recording/topic/message_type.hpp"
+#include "core/base/status_macros.hpp"
 
 namespace segserve::recording {
 namespace {
@@ -30,9 +30,27 @@ std::string list_text(std::vector<TopicInfo> topics) {
   return "its topics are " + text;
 }
 
-constexpr const char* kReadable = "sensor_msgs/PointCloud2 can";
+constexpr const char* kReadable =
+    "PointCloud2, and depth in Image and CompressedImage, of ROS and of Foxglove can be read";
+
+/// The namespace of a topic of images: that of "/camera/depth/image_raw/compressed" is "/camera/depth".
+std::string namespace_of(std::string topic) {
+  const auto cut = [&topic] { topic.resize(std::min(topic.size(), topic.rfind('/'))); };
+  if (topic.ends_with("/compressed") || topic.ends_with("/compressedDepth")) cut();
+  cut();
+  return topic;
+}
+
+bool is_depth_name(std::string_view name) { return name.find("depth") != std::string_view::npos; }
 
 }  // namespace
+
+std::optional<MessageType> type_of_topic(const Contents& contents, const std::string& name) {
+  for (const auto& [number, channel] : contents.definitions.channels) {
+    if (channel.topic == name) return message_type(channel, contents.definitions.schema_of(channel));
+  }
+  return std::nullopt;
+}
 
 std::vector<TopicInfo> topic_list(const Contents& contents) {
   std::map<std::string, TopicInfo> topics;
@@ -42,7 +60,9 @@ std::vector<TopicInfo> topic_list(const Contents& contents) {
     if (is_new) {
       const Schema& schema = contents.definitions.schema_of(channel);
       const auto type = message_type(channel, schema);
-      topic = {channel.topic, schema.name, channel.message_encoding, 0, type && has_frames(type->kind)};
+      const bool has_frames =
+          type && (type->kind == MessageKind::kPointCloud2 || (is_image(type->kind) && is_depth_name(channel.topic)));
+      topic = {channel.topic, schema.name, channel.message_encoding, 0, has_frames};
     }
     if (const auto count = contents.messages.find(number); count != contents.messages.end()) {
       topic.messages += count->second;
@@ -53,25 +73,54 @@ std::vector<TopicInfo> topic_list(const Contents& contents) {
   return list;
 }
 
-absl::StatusOr<TopicInfo> choose_topic(const std::vector<TopicInfo>& topics, const std::string& name) {
-  if (!name.empty()) {
-    const auto found = std::ranges::find(topics, name, &TopicInfo::name);
-    if (found == topics.end()) {
-      return absl::InvalidArgumentError(fmt::format("there is no topic {}; {}", name, list_text(topics)));
-    }
-    if (!found->has_frames) {
-      return absl::InvalidArgumentError(fmt::format("topic {} has messages {} ({}), which cannot be read; {}", name,
-                                                    found->type, found->encoding, kReadable));
-    }
-    return *found;
+absl::Status check_topic(const Contents& contents, const std::string& name, bool (*is_right)(MessageKind),
+                         std::string_view what) {
+  const std::vector<TopicInfo> topics = topic_list(contents);
+  const auto found = std::ranges::find(topics, name, &TopicInfo::name);
+  if (found == topics.end()) {
+    return absl::InvalidArgumentError(fmt::format("there is no topic {}; {}", name, list_text(topics)));
   }
-  const auto count = std::ranges::count_if(topics, &TopicInfo::has_frames);
-  if (count == 1) return *std::ranges::find_if(topics, &TopicInfo::has_frames);
+  const auto type = type_of_topic(contents, name);
+  if (type && is_right(type->kind)) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format("topic {} has messages {} ({}): it is no {}; {}", name,
+                                                found->type.empty() ? "without a schema" : found->type, found->encoding,
+                                                what, list_text(topics)));
+}
+
+absl::StatusOr<TopicInfo> choose_topic(const Contents& contents, const std::string& name) {
+  const std::vector<TopicInfo> topics = topic_list(contents);
+  if (!name.empty()) {
+    const auto can_be_read = [](MessageKind kind) { return kind == MessageKind::kPointCloud2 || is_image(kind); };
+    RETURN_IF_ERROR(check_topic(contents, name, can_be_read, fmt::format("topic that can be read ({})", kReadable)));
+    return *std::ranges::find(topics, name, &TopicInfo::name);
+  }
+  std::vector<TopicInfo> clouds;
+  std::vector<TopicInfo> images;
+  for (const TopicInfo& topic : topics) {
+    if (!topic.has_frames) continue;
+    const bool is_cloud = type_of_topic(contents, topic.name)->kind == MessageKind::kPointCloud2;
+    (is_cloud ? clouds : images).push_back(topic);
+  }
+  const std::vector<TopicInfo>& choice = clouds.empty() ? images : clouds;
+  if (choice.size() == 1) return choice.front();
+  const std::string fault = choice.empty() ? fmt::format("the recording has no topic that can be read ({})", kReadable)
+                                           : "several topics can be read, name one (--topic)";
+  return absl::InvalidArgumentError(fmt::format("{}; {}", fault, list_text(topics)));
+}
+
+absl::StatusOr<std::string> camera_info_topic(const Contents& contents, const std::string& images) {
+  const std::string prefix = namespace_of(images) + "/";
+  std::vector<std::string> found;
+  for (const TopicInfo& topic : topic_list(contents)) {
+    const auto type = type_of_topic(contents, topic.name);
+    if (!type || type->kind != MessageKind::kCameraInfo) continue;
+    if (topic.name == prefix + "camera_info") return topic.name;
+    if (topic.name.starts_with(prefix)) found.push_back(topic.name);
+  }
+  if (found.size() == 1) return found.front();
   return absl::InvalidArgumentError(
-      fmt::format("{}; {}",
-                  count == 0 ? fmt::format("the recording has no topic that can be read ({})", kReadable)
-                             : "several topics can be read, name one with --topic",
-                  list_text(topics)));
+      fmt::format("there is no topic {}camera_info with the camera of {}, name one (--camera-info-topic); {}", prefix,
+                  images, list_text(topic_list(contents))));
 }
 
 }  // namespace segserve::recording

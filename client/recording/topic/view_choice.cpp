@@ -10,8 +10,6 @@
 #include <limits>
 #include <string_view>
 
-#include "core/codec/common/point_columns.hpp"
-
 namespace segserve::recording {
 namespace {
 
@@ -62,11 +60,21 @@ void remove_origins(Cloud& cloud) {
 
 }  // namespace
 
-void choose_view(const std::string& frame_id, const std::optional<View>& given, codec::LabeledCloud& content) {
+std::string given_view_rule(const View& view) {
+  return view.kind == ViewKind::kCamera ? "CAMERA, as asked for" : "WORLD, as asked for";
+}
+
+void choose_view(const std::string& frame_id, bool has_pose, const std::optional<View>& given,
+                 codec::LabeledCloud& content) {
   Cloud& cloud = content.cloud;
   if (given) {
     cloud.view = *given;
-    content.view_rule = codec::given_view_rule(*given);
+    content.view_rule = given_view_rule(*given);
+    return;
+  }
+  if (has_pose) {
+    cloud.view = View::world(0, 0, 0);
+    content.view_rule = "WORLD with the sensor at (0, 0, 0): the cloud has a pose, which is that of its sensor";
     return;
   }
   const std::string lower = lower_case(frame_id);

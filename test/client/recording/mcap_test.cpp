@@ -20,7 +20,7 @@ constexpr std::uint64_t kTime = 1'700'000'000'000'000'000;
 /// Two topics, ten messages, some metadata.
 std::string small_file() {
   return mcap_with([](McapWriter& writer) {
-    EXPECT_TRUE(writer.define(1, point_cloud2_schema()).ok());
+    EXPECT_TRUE(writer.define(1, cloud_schema()).ok());
     EXPECT_TRUE(writer.define(3, Channel{1, "/points", "cdr", {{"offered_qos_profiles", "- a"}}}).ok());
     EXPECT_TRUE(writer.define(4, Channel{0, "/text", "json", {}}).ok());
     for (std::uint32_t i = 0; i < 10; ++i) {

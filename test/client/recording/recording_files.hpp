@@ -87,7 +87,7 @@ std::string mcap_with(Fill fill) {
   return file;
 }
 
-inline const Schema& point_cloud2_schema() {
+inline const Schema& cloud_schema() {
   static const Schema kSchema{"sensor_msgs/msg/PointCloud2", "ros2msg", "# abridged"};
   return kSchema;
 }

@@ -24,7 +24,7 @@ using testing::HasSubstr;
 /// Three clouds on /points, the second of them broken, another topic of clouds if asked for, and a topic of text.
 std::string recording_of_clouds(bool second_topic = false) {
   return recording::mcap_with([&](McapWriter& writer) {
-    EXPECT_TRUE(writer.define(1, recording::point_cloud2_schema()).ok());
+    EXPECT_TRUE(writer.define(1, recording::cloud_schema()).ok());
     EXPECT_TRUE(writer.define(1, Channel{1, "/points", "cdr", {}}).ok());
     EXPECT_TRUE(writer.define(2, Channel{0, "/text", "json", {}}).ok());
     if (second_topic) {
@@ -75,7 +75,7 @@ TEST(TopicReader, AWrongTopicListsTheTopics) {
   };
   EXPECT_THAT(message("/nothing"), HasSubstr("there is no topic /nothing; its topics are /more ("));
   EXPECT_THAT(message("/nothing"), HasSubstr("/points (sensor_msgs/msg/PointCloud2, cdr, 3 messages)"));
-  EXPECT_THAT(message("/text"), HasSubstr("which cannot be read"));
+  EXPECT_THAT(message("/text"), HasSubstr("it is no topic that can be read"));
   EXPECT_THAT(message(""), HasSubstr("several topics can be read"));
   EXPECT_THAT(message(""), HasSubstr(file.path())) << "the file is named";
 }
@@ -121,7 +121,7 @@ TEST(TopicReader, TheViewFollowsTheRule) {
     content.cloud.z = {0, 2, given.least_z, 4};
     content.cloud.width = 4 / given.height;
     content.cloud.height = given.height;
-    recording::choose_view(given.frame_id, std::nullopt, content);
+    recording::choose_view(given.frame_id, false, std::nullopt, content);
     EXPECT_EQ(content.cloud.view, given.expected) << given.frame_id << ": " << content.view_rule;
     const bool is_camera = given.expected == View::camera();
     EXPECT_EQ(std::isnan(content.cloud.x[0]), is_camera) << "(0, 0, 0) is no point of a camera";

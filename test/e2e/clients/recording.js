@@ -2,19 +2,20 @@
 // Writes and reads recordings with the libraries of Foxglove, which share no code with segserve.
 //
 //   node recording.js write SPEC.json FILE.mcap    messages as SPEC says
-//   node recording.js read FILE.mcap               everything by the file's index, as one JSON object
+//   node recording.js read FILE.mcap [PROTO]       everything by the file's index, as one JSON object
 //   node recording.js check                        nothing, if the libraries are there
 //
 // SPEC: {compression: "", "lz4" or "zstd", chunks: bool, profile, metadata: {name: {key: value}}, channels: [{topic, type,
 // encoding, schemaEncoding, schema, messages: [{logTime, message or data}]}]}. Bytes are in base64, times are strings. A
-// `message` is encoded as CDR by the channel's schema; `data` are the bytes of one. NODE_PATH must lead to the packages
-// that test_recording.py names.
+// `message` is encoded as CDR or protobuf by the channel's schema; `data` are the bytes of one. PROTO holds the schemas of
+// messages in protobuf. NODE_PATH must lead to the packages that recordings.py names.
 'use strict';
 const fs = require('fs');
 const {McapIndexedReader, McapStreamReader, McapWriter} = require('@mcap/core');
 const {loadDecompressHandlers} = require('@mcap/support');
 const {MessageReader, MessageWriter} = require('@foxglove/rosmsg2-serialization');
 const {parse} = require('@foxglove/rosmsg');
+const protobuf = require('protobufjs');
 const zstd = require('@foxglove/wasm-zstd');
 const lz4 = require('lz4js');
 
@@ -42,6 +43,22 @@ function withBytes(message) {
       ([key, value]) => [key, key === 'data' ? new Uint8Array(Buffer.from(value, 'base64')) : withBytes(value)]));
 }
 
+/** The type of that name in the text of a schema. */
+function protobufType(text, name) {
+  return protobuf.parse(text, {keepCase: true}).root.lookupType(name);
+}
+
+/** What turns a message of a channel into bytes. */
+function encoderOf(channel) {
+  if (channel.encoding === 'cdr') {
+    const writer = new MessageWriter(parse(channel.schema, {ros2: true}));
+    return (message) => writer.writeMessage(withBytes(message));
+  }
+  if (channel.encoding !== 'protobuf') return null;
+  const type = protobufType(channel.schema, channel.type);
+  return (message) => type.encode(type.fromObject(withBytes(message))).finish();
+}
+
 const compressions = {
   lz4: (bytes) => ({compression: 'lz4', compressedData: Uint8Array.from(lz4.compress(bytes))}),
   zstd: (bytes) => ({compression: 'zstd', compressedData: new Uint8Array(zstd.compress(bytes))}),
@@ -56,13 +73,13 @@ async function write(specPath, path) {
   const messages = [];
   for (const channel of spec.channels) {
     const schemaId = await writer.registerSchema({name: channel.type, encoding: channel.schemaEncoding,
-                                                  data: Buffer.from(channel.schema, channel.schemaIsBase64 ? 'base64' : 'utf8')});
+                                                  data: Buffer.from(channel.schema)});
     const channelId = await writer.registerChannel(
         {topic: channel.topic, schemaId, messageEncoding: channel.encoding, metadata: new Map([['of', 'test']])});
-    const cdr = channel.encoding === 'cdr' ? new MessageWriter(parse(channel.schema, {ros2: true})) : null;
+    const encode = encoderOf(channel);
     channel.messages.forEach((message, sequence) => {
       const data = message.data !== undefined ? Buffer.from(message.data, 'base64')
-                                              : cdr.writeMessage(withBytes(message.message));
+                                              : encode(message.message);
       messages.push({channelId, sequence, logTime: BigInt(message.logTime), publishTime: BigInt(message.logTime), data});
     });
   }
@@ -84,7 +101,7 @@ async function readAsStream(path, decompressHandlers) {
   return messages;
 }
 
-async function read(path) {
+async function read(path, proto) {
   const decompressHandlers = await loadDecompressHandlers();
   const reader = await McapIndexedReader.Initialize({readable: new FileReader(path), decompressHandlers});
   const messages = [];
@@ -95,6 +112,9 @@ async function read(path) {
     if (channel.messageEncoding === 'cdr') {
       const text = Buffer.from(schema.data).toString();
       decoded = new MessageReader(parse(text, {ros2: true})).readMessage(message.data);
+    } else if (channel.messageEncoding === 'protobuf') {
+      const type = protobufType(fs.readFileSync(proto, 'utf8'), schema.name);
+      decoded = type.toObject(type.decode(message.data), {longs: Number, bytes: String});
     }
     messages.push({topic: channel.topic, type: schema.name, logTime: message.logTime, sequence: message.sequence,
                    publishTime: message.publishTime, data: Buffer.from(message.data).toString('base64'), decoded});

@@ -16,7 +16,7 @@
 #include "segserve/codec/warning.hpp"
 #include "segserve/stop_token.hpp"
 
-// Reads the clouds of a topic from a recording (MCAP), one after the other.
+// Reads the clouds and depth images of a topic from a recording (MCAP, ROS 1 bag), one after the other.
 namespace segserve::client {
 
 /// A topic of a recording.
@@ -25,7 +25,7 @@ struct TopicInfo {
   std::string type;            ///< name of the messages' schema, such as "sensor_msgs/msg/PointCloud2"
   std::string encoding;        ///< of the messages: "cdr", "ros1", "protobuf" ..
   std::uint64_t messages = 0;  ///< how many there are
-  bool has_frames = false;     ///< whether TopicReader makes frames of them
+  bool has_frames = false;     ///< whether it has clouds, or images with "depth" in its name
 };
 
 using RecordingTime = std::chrono::time_point<std::chrono::system_clock, std::chrono::nanoseconds>;
@@ -42,21 +42,31 @@ struct TopicFrame {
 };
 
 struct TopicReaderOptions {
-  /// Of sensor_msgs/PointCloud2 (ROS 1 and 2). Empty: the only topic that frames can be made of.
+  /// Of clouds (sensor_msgs/PointCloud2 of ROS 1 and 2, foxglove.PointCloud) or of depth images (sensor_msgs/Image and
+  /// CompressedImage, foxglove.RawImage and CompressedImage). Empty: the only topic of clouds or, if there are none,
+  /// the only one of images with "depth" in its name.
   std::string topic = {};
+  /// Of images: the topic with their colors, aligned with the depth and of the same size. Each depth image gets the
+  /// color image whose stamp is nearest, if it is within 0.1 s. Empty: there are no colors.
+  std::string color_topic = {};
+  /// Of images: the topic with their camera (sensor_msgs/CameraInfo, foxglove.CameraCalibration). Empty: `camera_info`
+  /// beside the topic, as ROS has it, or the only one of its namespace. A topic with "rect" in its name has the
+  /// intrinsics P of rectified images, any other K; distortion is not corrected, of which a warning tells.
+  std::string camera_info_topic = {};
   std::optional<View> view = std::nullopt;                              ///< replaces the one that the rule chooses
   codec::DecodeLimits limits = {.max_bytes = std::uint64_t{1} << 30U};  ///< of a chunk, a message and a cloud
 };
 
-/// Reads frames in the order in which they were recorded. Holds one chunk of the recording in memory.
+/// Reads frames in the order in which they were recorded. Holds one chunk of the recording in memory, and a few images.
 ///
 ///     auto reader = TopicReader::open("run.mcap", {.topic = "/points"});
 ///     for (auto frame = reader->next(); frame.ok() && *frame; frame = reader->next()) {
 ///       if ((*frame)->content.ok()) stream.send((*frame)->content->cloud, {.frame_id = (*frame)->frame_id});
 ///     }
 ///
-/// The view of a PointCloud2 is chosen by this rule, of which view_rule tells:
+/// Images are CAMERA clouds. The view of a cloud is chosen by this rule, of which view_rule tells:
 ///
+///  0. WORLD with the sensor at (0, 0, 0) if a foxglove.PointCloud has a pose: its points lie in the sensor's frame.
 ///  1. CAMERA if every finite point has z > 0 and the name of the frame contains "optical"; points at (0, 0, 0), by
 ///     which drivers say that there is none, become NaN. The same if the cloud is organized and its frame is none that
 ///     belongs to a map, a vehicle or a robot's part (map, odom, world, earth, base.., ..base, ..link).
