@@ -4,8 +4,6 @@
 #include <chrono>
 #include <utility>
 
-#include "client/load_test/arrivals.hpp"
-
 namespace segserve::bench {
 namespace {
 
@@ -41,7 +39,7 @@ const Report& LoadClient::join() {
 
 void LoadClient::send_all() {
   std::this_thread::sleep_until(setup_.begin);
-  if (setup_.options.rate > 0) {
+  if (setup_.options.is_open()) {
     send_open_loop();
   } else {
     send_closed_loop();
@@ -61,15 +59,26 @@ void LoadClient::send_closed_loop() {
   }
 }
 
-/// Sends each frame at its intended time, whatever became of those before.
-void LoadClient::send_open_loop() {
+Arrivals LoadClient::arrivals() const {
   const LoadOptions& options = setup_.options;
+  if (options.replay_speed > 0) {
+    return Arrivals::recorded(setup_.source.times, options.replay_speed, first_frame());
+  }
   const double rate = options.rate / static_cast<double>(options.clients);
   const double share = static_cast<double>(index_) / static_cast<double>(options.clients);
-  Arrivals arrivals =
-      options.poisson ? Arrivals::poisson(rate, options.seed * 1000 + index_) : Arrivals::constant(rate, share);
-  for (std::size_t frame = index_;; ++frame) {
-    const Time intended = setup_.begin + seconds(arrivals.next());
+  return options.poisson ? Arrivals::poisson(rate, options.seed * 1000 + index_) : Arrivals::constant(rate, share);
+}
+
+std::size_t LoadClient::first_frame() const {
+  if (setup_.options.replay_speed == 0) return index_;
+  return index_ * setup_.source.times.size() / setup_.options.clients;
+}
+
+/// Sends each frame at its intended time, whatever became of those before.
+void LoadClient::send_open_loop() {
+  Arrivals due = arrivals();
+  for (std::size_t frame = first_frame();; ++frame) {
+    const Time intended = setup_.begin + seconds(due.next());
     if (intended >= setup_.end) return;
     std::this_thread::sleep_until(intended);
     if (!send(frame, intended)) return;

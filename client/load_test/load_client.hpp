@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/load_test/arrivals.hpp"
 #include "client/load_test/load.hpp"
 #include "client/load_test/load_report.hpp"
 #include "core/base/mutex.hpp"
@@ -55,6 +56,9 @@ class LoadClient {
 
   void send_all();
   void send_open_loop();
+  /// When frames are due, and the first of them.
+  Arrivals arrivals() const;
+  std::size_t first_frame() const;
   void send_closed_loop() ABSL_LOCKS_EXCLUDED(mutex_);
   bool send(std::size_t frame, client::Time intended) ABSL_LOCKS_EXCLUDED(mutex_);
   void read_all() ABSL_LOCKS_EXCLUDED(mutex_);

@@ -8,9 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "client/load_test/arrivals.hpp"
 #include "client/load_test/load.hpp"
 #include "client/load_test/load_report.hpp"
 #include "client/load_test/objective.hpp"
+#include "client/segctl/bench_recording.hpp"
 #include "client/segctl/bench_summary.hpp"
 #include "client/segctl/codec_flags.hpp"
 #include "client/segctl/command.hpp"
@@ -18,6 +20,7 @@
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/progress_bar.hpp"
+#include "client/segctl/recording_flags.hpp"
 #include "client/segctl/server_flags.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "command_line/not_negative.hpp"
@@ -43,16 +46,20 @@ With it the loop is open: frames are due at fixed or random times, whatever beca
 from the time at which a frame was due until its result is decoded, so that a server that stalls does not hide the
 frames that it held up. "since sent" counts from the time at which the frame was handed over.
 
+A recording is an open loop, too: every client replays it over and over, with the times at which its frames were recorded.
+Clients begin at different frames. --speed 0 makes it a closed loop.
+
 Objectives are METRIC<NUMBER, also <=, > and >=. Metrics: p50, p90, p99, p99.9, mean, max (with unit us, ms or s), fps,
 mpoints (million points a second), errors (share of the frames, with %), least-share (the results of the client with the
 fewest, as a share of the clients' mean, with %).)";
 
 HelpText help() {
   return {.common = {"--clients", "--rate", "--arrivals", "--duration", "--input", "--codec", "--verify", "--objective",
-                     "--json", "--server", "--method"},
+                     "--topic", "--speed", "--json", "--server", "--method"},
           .examples = R"(segctl bench --clients 4 --duration 10
 segctl bench --rate 30 --objective "p99<50ms" --objective "errors<=0%" --json -
 segctl bench --input scene1.pcd scene2.pcd --clients 8 --in-flight 2 --verify
+segctl bench --input run.mcap --topic /points --clients 4 --objective "p99<100ms"
 segctl bench --clients 32 --codec planar,quantised,rgbd --objective "least-share>=50%")",
           .details = kDetails,
           .exit_codes =
@@ -71,6 +78,9 @@ struct BenchArguments {
   double warm_up_s = 1;
   std::uint64_t seed = 1;
   std::vector<std::string> inputs;
+  RecordingFlags recording;
+  double speed = 1;
+  CLI::Option* speed_flag = nullptr;
   std::string size = "640x480";
   std::size_t scenes = 4;
   CodecFlags codec;
@@ -81,6 +91,9 @@ struct BenchArguments {
   JsonFlag json;
 
   void add_to(CLI::App& app);
+  bool has_recording() const { return inputs.size() == 1 && is_recording_file(inputs.front()); }
+  /// Whether frames come at the times at which they were recorded.
+  bool replays() const { return has_recording() && rate == 0; }
 
  private:
   void add_load_flags(CLI::App& app);
@@ -117,9 +130,17 @@ void BenchArguments::add_load_flags(CLI::App& app) {
 
 void BenchArguments::add_frame_flags(CLI::App& app) {
   const std::string group = "Frames";
-  CLI::Option* input_flag = app.add_option("--input", inputs, "PCD or PLY files; default: synthetic scenes")
-                                ->type_name("FILES")
-                                ->group(group);
+  CLI::Option* input_flag =
+      app.add_option("--input", inputs,
+                     "PCD or PLY files, or one recording (MCAP or ROS 1 bag); default: synthetic scenes")
+          ->type_name("FILES")
+          ->group(group);
+  recording.add_to(app);
+  speed_flag = app.add_option("--speed", speed, "how much faster than recorded frames come; 0: closed loop")
+                   ->check(CLI::Range(0.0, 1000.0))
+                   ->capture_default_str()
+                   ->excludes("--rate")
+                   ->group(RecordingFlags::kGroup);
   app.add_option("--size", size, "size of synthetic frames in pixels")
       ->type_name("WxH")
       ->capture_default_str()
@@ -158,9 +179,12 @@ void BenchArguments::add_to(CLI::App& app) {
 
 using SharedClouds = std::vector<std::shared_ptr<const Cloud>>;
 
-absl::StatusOr<SharedClouds> load_files(const std::vector<std::string>& paths) {
+absl::StatusOr<SharedClouds> load_files(const BenchArguments& arguments) {
+  if (arguments.recording.given() || arguments.speed_flag->count() > 0) {
+    return absl::InvalidArgumentError("--topic, --color-topic, --camera-info-topic and --speed are for one recording");
+  }
   SharedClouds clouds;
-  for (const std::string& path : paths) {
+  for (const std::string& path : arguments.inputs) {
     ASSIGN_OR_RETURN(const std::string bytes, read_input(path));
     auto scene = codec::decode_cloud(std::as_bytes(std::span(bytes)), {});
     if (!scene.ok()) return with_prefix(input_name(path), scene.status());
@@ -206,11 +230,12 @@ absl::StatusOr<bench::LoadOptions> load_options(const BenchArguments& arguments)
     return absl::InvalidArgumentError("--verify needs labels among --outputs");
   }
   load.stream.order = client::Order::kDone;
-  load.stream.max_in_flight = arguments.in_flight.value_or(arguments.rate > 0 ? kOpenLoopInFlight : 1);
-  load.stream.max_waiting = arguments.rate > 0 ? kOpenLoopWaiting : 1;
+  load.rate = arguments.rate;
+  load.replay_speed = arguments.replays() ? arguments.speed : 0;
+  load.stream.max_in_flight = arguments.in_flight.value_or(load.is_open() ? kOpenLoopInFlight : 1);
+  load.stream.max_waiting = load.is_open() ? kOpenLoopWaiting : 1;
   load.stream.frame_timeout = timeout;
   load.clients = arguments.clients;
-  load.rate = arguments.rate;
   load.poisson = arguments.arrivals == "poisson";
   load.seed = arguments.seed;
   load.warm_up = to_milliseconds(arguments.warm_up_s);
@@ -222,7 +247,11 @@ absl::StatusOr<bench::LoadOptions> load_options(const BenchArguments& arguments)
 
 absl::StatusOr<bench::FrameSource> frame_source(const BenchArguments& arguments) {
   bench::FrameSource source;
-  ASSIGN_OR_RETURN(source.clouds, arguments.inputs.empty() ? make_scenes(arguments) : load_files(arguments.inputs));
+  if (arguments.has_recording()) {
+    ASSIGN_OR_RETURN(source, load_recording(arguments.inputs.front(), arguments.recording));
+  } else {
+    ASSIGN_OR_RETURN(source.clouds, arguments.inputs.empty() ? make_scenes(arguments) : load_files(arguments));
+  }
   ASSIGN_OR_RETURN(const auto codecs, arguments.codec.list());
   for (const wire::CodecOptions& options : codecs) {
     source.encodings.push_back(
@@ -231,6 +260,13 @@ absl::StatusOr<bench::FrameSource> frame_source(const BenchArguments& arguments)
          answer_compression(options)});
   }
   return source;
+}
+
+/// Frames a second that an open loop offers.
+double offered_rate(const bench::LoadOptions& load, const bench::FrameSource& source) {
+  if (load.replay_speed == 0) return load.rate;
+  const auto frames = static_cast<double>(load.clients * source.times.size());
+  return frames * load.replay_speed / bench::round_seconds(source.times);
 }
 
 /// For example "planar, rgbd".
@@ -285,7 +321,8 @@ absl::Status run(const BenchArguments& arguments) {
   RETURN_IF_ERROR(client.server_info().status());  // Without a server there is nothing to measure.
 
   ASSIGN_OR_RETURN(const auto report, run_with_progress(load, source));
-  const BenchSummary summary{report, load, objectives, arguments.server.address(), names_of(source.encodings)};
+  const BenchSummary summary{
+      report, load, objectives, arguments.server.address(), names_of(source.encodings), offered_rate(load, source)};
   arguments.json.add(output, to_json(summary));
   if (!output.uses_stdout()) output.add("-", to_text(summary));
   RETURN_IF_ERROR(output.commit());

@@ -43,12 +43,18 @@ std::uint64_t per_result(std::uint64_t bytes, const bench::Report& report) {
   return report.results == 0 ? 0 : bytes / report.results;
 }
 
+/// When frames came in an open loop.
+const char* arrivals_name(const bench::LoadOptions& load) {
+  if (load.replay_speed > 0) return "recorded";
+  return load.poisson ? "poisson" : "constant";
+}
+
 /// Describes the load and the server.
 std::string load_text(const BenchSummary& summary) {
   const bench::LoadOptions& load = summary.load;
-  const std::string loop =
-      load.rate > 0 ? fmt::format("{} arrivals at {} frames/s", load.poisson ? "poisson" : "constant", load.rate)
-                    : fmt::format("{} in flight each", load.stream.max_in_flight);
+  const std::string loop = load.is_open()
+                               ? fmt::format("{} arrivals at {:.4g} frames/s", arrivals_name(load), summary.offered)
+                               : fmt::format("{} in flight each", load.stream.max_in_flight);
   return fmt::format("{} client{} at {}, {}, {}: {} frames in {:.1f} s\n", load.clients, load.clients == 1 ? "" : "s",
                      summary.server, loop, summary.codec, summary.report.sent, summary.report.seconds);
 }
@@ -68,14 +74,15 @@ std::string cost_text(const bench::Report& report) {
 Json to_json(const BenchSummary& summary) {
   const bench::Report& report = summary.report;
   const bench::LoadOptions& load = summary.load;
-  const bool open = load.rate > 0;
+  const bool open = load.is_open();
   Json json;
   json["server"] = summary.server;
   json["clients"] = load.clients;
   json["in_flight"] = load.stream.max_in_flight;
   json["loop"] = open ? "open" : "closed";
-  json["arrivals"] = open ? Json(load.poisson ? "poisson" : "constant") : Json();
-  json["offered_frames_per_s"] = open ? Json(load.rate) : Json();
+  json["arrivals"] = open ? Json(arrivals_name(load)) : Json();
+  json["speed"] = load.replay_speed > 0 ? Json(load.replay_speed) : Json();
+  json["offered_frames_per_s"] = open ? Json(summary.offered) : Json();
   json["codec"] = summary.codec;
   json["encoded_beforehand"] = load.encoded_beforehand;
   json["seconds"] = report.seconds;
@@ -115,7 +122,7 @@ std::string to_text(const BenchSummary& summary) {
                       report.frames_per_second(), report.mpoints_per_second(), per_result(report.bytes_up, report),
                       per_result(report.bytes_down, report));
   text += fmt::format("latency ms    {}\n", latency_text(report.latency));
-  if (load.rate > 0) {
+  if (load.is_open()) {
     text += fmt::format("since sent    {}; {} frames sent late\n", latency_text(report.since_sent), report.late);
   }
   if (report.results > 0) text += cost_text(report);

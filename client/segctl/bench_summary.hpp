@@ -17,6 +17,7 @@ struct BenchSummary {
   const bench::LoadOptions& load;
   const std::vector<bench::Objective>& objectives;
   std::string server, codec;
+  double offered = 0;  ///< open loop: frames a second of all clients together
 };
 
 /// One object. Figures that are computed from results are null if there is no result.

@@ -119,6 +119,25 @@ class Recording(RecordingTest):
         self.assertIn("as after a crash", done.stdout.decode())
         self.assertGreater(len(recordings.read(labeled)["messages"]), 0)
 
+    def test_a_recording_is_replayed_with_its_own_timing(self):
+        frame = self.scene(1)[1]
+        times = (0, 50, 100, 400)  # ms
+        clouds = [(ms * 10**6, recordings.point_cloud2(recordings.FIRST, frame, "camera_optical_frame", 80)) for ms in times]
+        run = recordings.write(self.path("run.mcap"), [recordings.clouds("/points", clouds)])
+        bench = ("bench", "--server", self.server.address, "--input", run, "--warm-up", "0", "--json", "-")
+        told = json.loads(self.run_well(*bench, "--duration", "1.5", "--speed", "2", "--clients", "2", "--verify").stdout)
+        self.assertEqual((told["loop"], told["arrivals"], told["speed"], told["mismatches"]), ("open", "recorded", 2, 0))
+        self.assertAlmostEqual(told["offered_frames_per_s"], 2 * 2 * 3 / 0.4)
+        # A round takes 0.4 s + a gap of 0.1333 s, halved: in 1.5 s there are 5 rounds and a rest.
+        self.assertAlmostEqual(told["frames"]["sent"], 2 * 23, delta=3)
+        told = json.loads(self.run_well(*bench, "--duration", "0.5", "--speed", "0").stdout)
+        self.assertEqual((told["loop"], told["speed"]), ("closed", None))
+        told = json.loads(self.run_well(*bench, "--duration", "0.5", "--rate", "20").stdout)
+        self.assertEqual((told["arrivals"], told["offered_frames_per_s"]), ("constant", 20))
+        single = self.record(frame)
+        self.assertIn("no two frames", self.run_badly(BAD_INPUT, *bench[:4], single))
+        self.assertIn("--speed", self.run_badly(BAD_INPUT, *bench[:4], self.scene(1)[0], "--speed", "2"))
+
     def test_wrong_usage(self):
         run = self.record(self.scene(1)[1])
         bag = self.path("run.db3")

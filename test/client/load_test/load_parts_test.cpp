@@ -39,6 +39,16 @@ TEST(Arrivals, ConstantOnesAreEvenAndShifted) {
   EXPECT_DOUBLE_EQ(arrivals.next(), 0.25);
 }
 
+TEST(Arrivals, RecordedOnesComeAgainAfterAMeanGap) {
+  const std::vector<double> times{0, 1, 4};
+  Arrivals arrivals = Arrivals::recorded(times, 2, 1);
+  EXPECT_DOUBLE_EQ(round_seconds(times), 6);
+  EXPECT_DOUBLE_EQ(arrivals.next(), 0) << "begins at the second frame";
+  EXPECT_DOUBLE_EQ(arrivals.next(), 1.5) << "twice as fast";
+  EXPECT_DOUBLE_EQ(arrivals.next(), 2.5) << "the first frame of the next round";
+  EXPECT_DOUBLE_EQ(arrivals.next(), 3);
+}
+
 TEST(Arrivals, PoissonOnesHaveTheRateAndTheSpreadOfAPoissonProcess) {
   constexpr int kCount = 20'000;
   Arrivals arrivals = Arrivals::poisson(50, 7);
