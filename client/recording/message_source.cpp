@@ -8,6 +8,8 @@
 #include "client/recording/bytes/recording_file.hpp"
 #include "client/recording/mcap/mcap_reader.hpp"
 #include "client/recording/mcap/mcap_records.hpp"
+#include "client/recording/rosbag1/bag_reader.hpp"
+#include "client/recording/rosbag1/bag_records.hpp"
 #include "core/base/status_macros.hpp"
 
 namespace segserve::recording {
@@ -26,11 +28,10 @@ absl::Status wrong_kind(std::string_view begin) {
         "`storage_id: mcap` in its output options");
   }
   if (begin.starts_with(kRosBag)) {
-    return absl::InvalidArgumentError(
-        "this is a ROS 1 bag, which cannot be read; MCAP can: `mcap convert in.bag out.mcap` makes it");
+    return absl::InvalidArgumentError("this is a ROS bag of an old version; 2.0 can be read: `rosbag fix` makes it");
   }
   if (begin.empty()) return absl::InvalidArgumentError("the file is empty");
-  return absl::InvalidArgumentError("this is no MCAP file");
+  return absl::InvalidArgumentError("this is neither an MCAP file nor a ROS bag");
 }
 
 }  // namespace
@@ -50,8 +51,9 @@ absl::StatusOr<std::unique_ptr<MessageSource>> open_source(const std::string& pa
   std::string begin;
   constexpr std::uint64_t kEnough = 16;
   RETURN_IF_ERROR(file.read(std::min(kEnough, file.size()), begin));
-  if (!begin.starts_with(kMcapMagic)) return wrong_kind(begin);
-  return McapReader::open(std::move(file), limits);
+  if (begin.starts_with(kMcapMagic)) return McapReader::open(std::move(file), limits);
+  if (begin.starts_with(kBagMagic)) return BagReader::open(std::move(file), limits);
+  return wrong_kind(begin);
 }
 
 absl::StatusOr<Contents> read_contents(const std::string& path, const codec::DecodeLimits& limits,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Recordings for tests, written and read by the libraries of Foxglove (clients/recording.js)."""
 import base64
+import bz2
 import json
 import os
 import pathlib
@@ -198,3 +199,36 @@ def read(path):
     proto = path.with_suffix(".proto")
     proto.write_text(FOXGLOVE)
     return json.loads(node("read", path, proto))
+
+
+def _record(fields, data):
+    header = b"".join(struct.pack("<I", len(name) + 1 + len(value)) + name.encode() + b"=" + value
+                      for name, value in fields.items())
+    return struct.pack("<I", len(header)) + header + struct.pack("<I", len(data)) + data
+
+
+def ros1_point_cloud2(nanoseconds, points, frame_id):
+    """x, y, z of points as ROS 1 writes a PointCloud2."""
+    name = frame_id.encode()
+    fields = b"".join(struct.pack("<I1sIBI", 1, axis, 4 * i, 7, 1) for i, axis in enumerate((b"x", b"y", b"z")))
+    data = b"".join(struct.pack("<3f", *point) for point in points)
+    return (struct.pack("<III", 3, nanoseconds // 10**9, nanoseconds % 10**9) + struct.pack("<I", len(name)) + name +
+            struct.pack("<III", 1, len(points), 3) + fields + struct.pack("<BIII", 0, 12, 12 * len(points), len(data)) +
+            data + b"\1")
+
+
+def write_bag(path, topic, messages):
+    """A ROS 1 bag without an index, as after a crash, with one chunk of bz2. `messages`: (nanoseconds, bytes)."""
+    definition = POINT_CLOUD2.replace("std_msgs/Header", "Header")
+    connection = b"".join(struct.pack("<I", len(field)) + field for field in
+                          (b"type=sensor_msgs/PointCloud2", b"md5sum=1158d486dd51d683ce2f1be655c3c181",
+                           b"message_definition=" + definition.encode()))
+    number = struct.pack("<I", 0)
+    records = _record({"op": b"\7", "conn": number, "topic": topic.encode()}, connection)
+    for nanoseconds, message in messages:
+        time = struct.pack("<II", nanoseconds // 10**9, nanoseconds % 10**9)
+        records += _record({"op": b"\2", "conn": number, "time": time}, message)
+    begin = _record({"op": b"\3", "index_pos": bytes(8), "conn_count": bytes(4), "chunk_count": bytes(4)}, b" " * 4000)
+    chunk = {"op": b"\5", "compression": b"bz2", "size": struct.pack("<I", len(records))}
+    path.write_bytes(b"#ROSBAG V2.0\n" + begin + _record(chunk, bz2.compress(records)))
+    return path

@@ -158,6 +158,29 @@ class Recording(RecordingTest):
         self.assertEqual(list(self.folder.glob(f"{labeled.name}*")), [])
 
 
+class Bags(RecordingTest):
+    def test_a_ros_1_bag_becomes_a_recording_with_labels(self):
+        points = [(0.01 * (i % 30), 0.01 * (i // 30), 1.0 + (0.2 if i % 30 > 15 else 0)) for i in range(900)]
+        message = recordings.ros1_point_cloud2(recordings.FIRST, points, "lidar")
+        run = recordings.write_bag(self.path("run.bag"), "/points",
+                                   [(recordings.FIRST + i * 10**9, message) for i in range(2)])
+        labeled = self.path("labeled.mcap")
+        self.run_well("segment", run, "--local", "-o", labeled)
+        after = recordings.read(labeled)
+        self.assertEqual((after["profile"], after["topics"]), ("ros1", ["/points"]))
+        scene = self.path("scene.pcd")
+        scene.write_bytes(pcd.binary_file(points))
+        expected, _ = self.segment_locally(scene)
+        for i, new in enumerate(after["messages"]):
+            self.assertEqual((new["type"], new["logTime"]), ("sensor_msgs/PointCloud2", str(recordings.FIRST + i * 10**9)))
+            data = base64.b64decode(new["data"])
+            self.assertEqual(data[:16], message[:16], "the header")
+            body = data[-1 - 16 * 900:-1]
+            self.assertEqual([row[:3] for row in struct.iter_unpack("<3fI", body)],
+                             [struct.unpack("<3f", struct.pack("<3f", *point)) for point in points])
+            self.assertEqual([row[3] for row in struct.iter_unpack("<3fI", body)], expected)
+
+
 WIDTH, HEIGHT = 80, 60
 CAMERA = (WIDTH, HEIGHT, 70.0, 71.0, 39.5, 29.5)
 DEPTH = [0 if u < 3 else 700 if 20 <= u < 45 and 15 <= v < 40 else 900 + 2 * v for v in range(HEIGHT) for u in range(WIDTH)]

@@ -184,7 +184,7 @@ TEST(Mcap, OtherFilesAreNamed) {
   using std::string_view_literals::operator""sv;
   EXPECT_THAT(std::string(read_all("SQLite format 3\0 and more"sv).status.message()), HasSubstr("ros2 bag convert"));
   EXPECT_THAT(std::string(read_all("").status.message()), HasSubstr("the file is empty"));
-  EXPECT_THAT(std::string(read_all("VERSION 0.7").status.message()), HasSubstr("no MCAP file"));
+  EXPECT_THAT(std::string(read_all("VERSION 0.7").status.message()), HasSubstr("neither an MCAP file nor a ROS bag"));
 }
 
 TEST(Mcap, AFlippedBitAnywhereEndsInWordsOrInTheSameMessages) {
