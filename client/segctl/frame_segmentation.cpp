@@ -37,11 +37,13 @@ client::Result empty_result(const codec::LabeledCloud& content, const Options& o
   return result;
 }
 
-absl::StatusOr<client::Result> segment_in_this_process(const Cloud& cloud, const SegmentRequest& request) {
+absl::StatusOr<client::Result> segment_in_this_process(const codec::LabeledCloud& content,
+                                                       const SegmentRequest& request) {
   const wire::Outputs outputs{.segments = request.segments};
-  if (!request.codec) return client::segment_here(cloud, "", request.options, outputs, StopToken());
-  ASSIGN_OR_RETURN(const auto payload, client::cloud_payload(cloud, *request.codec));
-  return client::segment_here(payload, request.options, outputs, StopToken());
+  const Options options = codec::to_cloud(content.placement, request.options);
+  if (!request.codec) return client::segment_here(content.cloud, "", options, outputs, StopToken());
+  ASSIGN_OR_RETURN(const auto payload, client::cloud_payload(content.cloud, *request.codec));
+  return client::segment_here(payload, options, outputs, StopToken());
 }
 
 absl::StatusOr<client::Stream> open_stream(const SegmentArguments& arguments, const SegmentRequest& request) {
@@ -80,6 +82,8 @@ absl::Status FrameSegmentation::send(const recording::RecordedFrame& recorded) {
   client::FrameOptions options;
   options.frame_id = ascii_name(recorded.frame.frame_id);
   options.stamp = std::chrono::time_point_cast<std::chrono::system_clock::duration>(recorded.frame.stamp);
+  const codec::Placement& placement = recorded.frame.content->placement;
+  if (!placement.is_identity()) options.options = codec::to_cloud(placement, request_.options);
   return stream_->send(recorded.frame.content->cloud, options).status();
 }
 
@@ -92,8 +96,8 @@ void FrameSegmentation::add(recording::RecordedFrame recorded) {
     waiting.result = empty_result(*content, request_.options);
   } else if (!stream_) {
     // Elements of a deque stay where they are.
-    waiting.local = std::async(std::launch::async, [&cloud = content->cloud, request = request_] {
-      return segment_in_this_process(cloud, request);
+    waiting.local = std::async(std::launch::async, [&content = *content, request = request_] {
+      return segment_in_this_process(content, request);
     });
   } else if (absl::Status sent = send(waiting.recorded); !sent.ok()) {
     waiting.result = sent;

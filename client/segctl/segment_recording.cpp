@@ -75,6 +75,8 @@ absl::Status RecordingRun::open() {
   options.color_topic = arguments_.recording.color_topic;
   options.camera_info_topic = arguments_.recording.camera_info_topic;
   options.view = request.view;
+  options.unit = request.unit;
+  options.keep_everything = !arguments_.out_dir.empty();
   ASSIGN_OR_RETURN(reader_, recording::FrameReader::open(input_, options, {}));
   report_.emplace(input_, reader_->topic(), arguments_.local ? "" : arguments_.server.address(),
                   RecordingReport::Json{arguments_.json.given(), request.segments});
@@ -123,12 +125,10 @@ absl::Status RecordingRun::write(SegmentedFrame& done) {
 
 absl::Status RecordingRun::write_file(const SegmentedFrame& done) const {
   const std::string name = fmt::format("{}-{:06}.pcd", fs::path(input_).stem().string(), done.recorded.frame.index);
-  Cloud cloud = done.recorded.frame.content->cloud;
-  cloud.view = done.result->view;
   const std::string path = (fs::path(arguments_.out_dir) / name).string();
   StagedOutput output;
   RETURN_IF_ERROR(output.announce(path));
-  output.add(path, arguments_.scene_output.encode_pcd(cloud, done.result->segmentation.labels));
+  output.add(path, arguments_.scene_output.encode_pcd(*done.recorded.frame.content, done.result->segmentation.labels));
   return output.commit();
 }
 

@@ -7,7 +7,7 @@
 
 #include "client/recording/topic/parse_message.hpp"
 #include "client/recording/topic/topic_list.hpp"
-#include "client/recording/topic/view_choice.hpp"
+#include "client/recording/topic/topic_view.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "segserve/codec/strided.hpp"
@@ -22,9 +22,11 @@ client::RecordingTime to_time(std::int64_t nanoseconds) {
 absl::StatusOr<codec::LabeledCloud> decode_cloud_message(const PointCloud2& message,
                                                          const client::TopicReaderOptions& options,
                                                          const StopToken& stop) {
-  codec::LabeledCloud content;
-  ASSIGN_OR_RETURN(content.cloud,
-                   codec::decode_strided(message.layout, message.data, View::world(), options.limits, stop));
+  // The view is chosen below, by the name of the frame.
+  const codec::ReadOptions read{
+      .view = View::world(), .unit = options.unit, .keep_everything = options.keep_everything};
+  ASSIGN_OR_RETURN(auto content,
+                   codec::decode_strided(message.layout, message.data, read, options.limits, stop));
   choose_view(message.header.frame_id, message.has_pose, options.view, content);
   return content;
 }

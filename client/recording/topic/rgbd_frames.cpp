@@ -11,7 +11,7 @@
 #include "client/recording/images/color_image.hpp"
 #include "client/recording/images/depth_image.hpp"
 #include "client/recording/topic/parse_message.hpp"
-#include "client/recording/topic/view_choice.hpp"
+#include "client/recording/topic/topic_view.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 

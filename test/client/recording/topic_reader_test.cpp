@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "client/recording/topic/view_choice.hpp"
+#include "client/recording/topic/topic_view.hpp"
 #include "test/client/recording/recording_files.hpp"
 
 namespace segserve::client {

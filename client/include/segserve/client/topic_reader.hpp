@@ -13,6 +13,7 @@
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
+#include "segserve/codec/length_unit.hpp"
 #include "segserve/codec/warning.hpp"
 #include "segserve/stop_token.hpp"
 
@@ -53,7 +54,9 @@ struct TopicReaderOptions {
   /// beside the topic, as ROS has it, or the only one of its namespace. A topic with "rect" in its name has the
   /// intrinsics P of rectified images, any other K; distortion is not corrected, of which a warning tells.
   std::string camera_info_topic = {};
-  std::optional<View> view = std::nullopt;                              ///< replaces the one that the rule chooses
+  std::optional<View> view = std::nullopt;               ///< replaces the one that the rule chooses
+  codec::LengthUnit unit = codec::LengthUnit::kMeter;    ///< of the coordinates of clouds
+  bool keep_everything = false;                          ///< see codec::ReadOptions; of clouds
   codec::DecodeLimits limits = {.max_bytes = std::uint64_t{1} << 30U};  ///< of a chunk, a message and a cloud
 };
 

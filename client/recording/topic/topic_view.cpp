@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/recording/topic/view_choice.hpp"
+#include "client/recording/topic/topic_view.hpp"
 
 #include <fmt/format.h>
 
@@ -68,12 +68,12 @@ void choose_view(const std::string& frame_id, bool has_pose, const std::optional
                  codec::LabeledCloud& content) {
   Cloud& cloud = content.cloud;
   if (given) {
-    cloud.view = *given;
+    cloud.view = to_cloud(content.placement, *given);
     content.view_rule = given_view_rule(*given);
     return;
   }
   if (has_pose) {
-    cloud.view = View::world(0, 0, 0);
+    cloud.view = to_cloud(content.placement, View::world(0, 0, 0));
     content.view_rule = "WORLD with the sensor at (0, 0, 0): the cloud has a pose, which is that of its sensor";
     return;
   }
@@ -89,7 +89,7 @@ void choose_view(const std::string& frame_id, bool has_pose, const std::optional
                                                : fmt::format("the cloud is organized ({} x {}) in the frame '{}'",
                                                              cloud.width, cloud.height, frame_id));
   } else if (is_sensor_frame(name) || is_own_frame) {
-    cloud.view = View::world(0, 0, 0);
+    cloud.view = to_cloud(content.placement, View::world(0, 0, 0));
     content.view_rule = fmt::format("WORLD with the sensor at (0, 0, 0): {}",
                                     is_sensor_frame(name) ? fmt::format("the frame '{}' is that of a sensor", frame_id)
                                                           : "the cloud is organized, as a sensor makes it");
