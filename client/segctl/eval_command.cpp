@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -6,8 +7,10 @@
 
 #include "client/segctl/command.hpp"
 #include "client/segctl/degradation_flags.hpp"
+#include "client/segctl/exit_code.hpp"
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/json_flag.hpp"
+#include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/staged_output.hpp"
@@ -27,7 +30,10 @@ that core/lab/eval/README.md defines: one_to_one, as in the paper's Table 1, and
 and for the objects. ms is the time of the segmentation alone, on one thread.
 
 --learn takes the threshold among 0, 0.01, 0.02 and so on up to 1 that has the highest mean one_to_one tp on the scenes
-of its folder. These scenes are not degraded.)";
+of its folder. These scenes are not degraded, and all of them must be readable.
+
+A scene of --data that cannot be scored stops no other. Such scenes are listed at the end, one a line, and in "failed"
+of the JSON. The exit code is then 2 if each of them is bad input, else 1.)";
 
 HelpText help() {
   return {.common = {"--data", "--compare", "--learn", "--method", "--threshold", "--noise-mm", "--no-color", "--json"},
@@ -116,11 +122,23 @@ absl::StatusOr<eval::LearnedThreshold> learn(const EvalArguments& arguments, con
   return eval::LearnedThreshold{arguments.learn, std::move(sweep), arguments.curve};
 }
 
-absl::StatusOr<std::vector<eval::SceneScores>> score(const std::vector<std::filesystem::path>& files,
-                                                     const eval::Degradation& degradation, const Options& options) {
+eval::Evaluation score(const std::vector<std::filesystem::path>& files, const eval::Degradation& degradation,
+                       const Options& options) {
   const ProgressBar bar("scoring");
   return eval::evaluate(files, degradation, eval::with_options(options),
                         [&](auto done, auto all) { bar.show(done, all); });
+}
+
+/// Lists the scenes that failed. INVALID_ARGUMENT if each of them is bad input.
+absl::Status report_failures(const eval::Report& report) {
+  const auto& failed = report.failed;
+  if (failed.empty()) return absl::OkStatus();
+  if (report.per_scene.empty() && failed.size() == 1) return failed.front().status;
+  for (const eval::SceneFailure& scene : failed) print_error(message_of(scene.status));
+  const auto is_bad_input = [](const auto& scene) { return exit_code(scene.status) == kBadInput; };
+  const auto code =
+      std::ranges::all_of(failed, is_bad_input) ? absl::StatusCode::kInvalidArgument : absl::StatusCode::kUnavailable;
+  return {code, fmt::format("{} of {} scenes failed", failed.size(), failed.size() + report.per_scene.size())};
 }
 
 absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output) {
@@ -137,8 +155,13 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
     options.threshold = eval::ThresholdSweep::threshold(report.learned->sweep.best());
   }
   if (!options.regions) report.threshold = options.threshold.value_or(default_threshold(options.method));
-  ASSIGN_OR_RETURN(report.per_scene, score(files, report.degradation, options));
-  return write(arguments, eval::to_json(report), eval::to_text(report), output);
+  eval::Evaluation evaluation = score(files, report.degradation, options);
+  report.per_scene = std::move(evaluation.scores);
+  report.failed = std::move(evaluation.failures);
+  if (!report.per_scene.empty()) {
+    RETURN_IF_ERROR(write(arguments, eval::to_json(report), eval::to_text(report), output));
+  }
+  return report_failures(report);
 }
 
 absl::Status run(const EvalArguments& arguments) {

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What newcomers get wrong is told in one line that says what to do."""
+import collections
 import json
 import shutil
 import signal
@@ -8,6 +9,7 @@ import time
 import unittest
 
 from harness import BAD_INPUT, FAILED, SEGCTL, SEGSERVE, SUCCESS, EndToEnd, Server, segctl
+import pcd
 
 SMALL = ("--width", "160", "--height", "120")
 
@@ -202,6 +204,41 @@ class StoppedBatch(EndToEnd):
         for line in unfinished:
             self.assertEqual([line[key] for key in ("state", "output", "points", "segments", "error")],
                              ["unfinished", None, None, None, None])
+
+
+class EvalWithABadFile(EndToEnd):
+    def test_scores_the_rest_and_tells_at_the_end(self):
+        data = self.path("data")
+        data.mkdir()
+        for seed in (1, 2):
+            self.run_well("synth", "-q", "--seed", seed, "-o", data / f"{seed}.pcd", *SMALL)
+        (data / "1b.pcd").write_bytes(b"no cloud")
+        (data / "3.pcd").write_bytes(pcd.ascii_file([(0, 0, 1), (0, 1, 1)]))
+        done = segctl("eval", "--data", data, "--json", "-")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        told = json.loads(done.stdout)
+        self.assertEqual([row["file"] for row in told["per_scene"]], ["1.pcd", "2.pcd"])
+        self.assertEqual([row["file"] for row in told["failed"]], ["1b.pcd", "3.pcd"])
+        lines = done.stderr.decode().splitlines()
+        self.assertEqual(len(lines), 3)
+        self.assertEqual([line.split(": ", 1)[1] for line in lines[:2]], [row["error"] for row in told["failed"]])
+        self.assertEqual(lines[2], "segctl: 2 of 4 scenes failed")
+        alone = self.path("alone")
+        alone.mkdir()
+        for seed in (1, 2):
+            shutil.copy(data / f"{seed}.pcd", alone)
+        good = json.loads(self.run_well("eval", "--data", alone, "--json", "-").stdout)
+        self.assertEqual(good["one_to_one"], told["one_to_one"])
+        self.assertEqual(good["failed"], [])
+
+    def test_without_any_score_there_is_no_table(self):
+        data = self.path("data")
+        data.mkdir()
+        for name in ("1.pcd", "2.ply"):
+            (data / name).write_bytes(b"no cloud")
+        done = segctl("eval", "--data", data)
+        self.assertEqual((done.returncode, done.stdout), (BAD_INPUT, b""))
+        self.assertEqual(done.stderr.decode().splitlines()[-1], "segctl: 2 of 2 scenes failed")
 
 
 if __name__ == "__main__":

@@ -41,6 +41,13 @@ bool has_objects(const Contingency& table) {
   return std::ranges::any_of(table.regions, [](const Part& region) { return region.label >= kFirstObjectLabel; });
 }
 
+absl::StatusOr<MetricValues> score_file(const fs::path& file, const Degradation& degradation,
+                                        const SegmentScene& segment) {
+  ASSIGN_OR_RETURN(const auto scene, load_scene(file, degradation));
+  ASSIGN_OR_RETURN(const Partition partition, in_file(file, segment(scene.cloud)));
+  return in_file(file, score(scene, partition));
+}
+
 Partition partition_of(Segmentation segmentation) {
   return {std::move(segmentation.labels), std::move(segmentation.supervoxels), segmentation.segments,
           segmentation.tree.leaf_count(), segmentation.timings.total};
@@ -109,17 +116,20 @@ absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Parti
   return v;
 }
 
-absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<fs::path>& files, const Degradation& degradation,
-                                                  const SegmentScene& segment, const Progress& progress) {
-  std::vector<SceneScores> rows;
+Evaluation evaluate(const std::vector<fs::path>& files, const Degradation& degradation, const SegmentScene& segment,
+                    const Progress& progress) {
+  Evaluation evaluation;
   for (const fs::path& file : files) {
-    ASSIGN_OR_RETURN(const auto scene, load_scene(file, degradation));
-    ASSIGN_OR_RETURN(const Partition partition, in_file(file, segment(scene.cloud)));
-    ASSIGN_OR_RETURN(const MetricValues values, in_file(file, score(scene, partition)));
-    rows.push_back({file.filename().string(), values});
-    progress(rows.size(), files.size());
+    const std::string name = file.filename().string();
+    auto values = score_file(file, degradation, segment);
+    if (values.ok()) {
+      evaluation.scores.push_back({name, *std::move(values)});
+    } else {
+      evaluation.failures.push_back({name, values.status()});
+    }
+    progress(evaluation.scores.size() + evaluation.failures.size(), files.size());
   }
-  return rows;
+  return evaluation;
 }
 
 SegmentScene with_options(const Options& options) {

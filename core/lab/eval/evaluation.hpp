@@ -44,15 +44,26 @@ absl::StatusOr<codec::LabeledCloud> load_scene(const std::filesystem::path& path
 /// truth.
 absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Partition& partition);
 
-/// Scores every file, in order. Stops at the first error; its message begins with the path.
-absl::StatusOr<std::vector<SceneScores>> evaluate(const std::vector<std::filesystem::path>& files,
-                                                  const Degradation& degradation, const SegmentScene& segment,
-                                                  const Progress& progress);
+/// A scene that could not be scored.
+struct SceneFailure {
+  std::string file;     ///< Its name, without the folder.
+  absl::Status status;  ///< Why; the message begins with the path.
+};
+
+struct Evaluation {
+  std::vector<SceneScores> scores;     ///< In the order of the files.
+  std::vector<SceneFailure> failures;  ///< Likewise.
+};
+
+/// Scores every file, in order. A file that fails stops no other.
+Evaluation evaluate(const std::vector<std::filesystem::path>& files, const Degradation& degradation,
+                    const SegmentScene& segment, const Progress& progress);
 
 /// Segments with segserve's own methods. One Segmenter serves all scenes.
 SegmentScene with_options(const Options& options);
 
-/// Sweeps the threshold over the merge trees of the scenes, which are not degraded.
+/// Sweeps the threshold over the merge trees of the scenes, which are not degraded. Stops at the first error, whose
+/// message begins with the path: a threshold that was learned on fewer scenes would be another one.
 absl::StatusOr<ThresholdSweep> learn_threshold(const std::vector<std::filesystem::path>& files, const Options& options,
                                                const Progress& progress);
 

@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/lab/eval/comparison.hpp"
 #include "core/lab/eval/degrade.hpp"
+#include "core/lab/eval/evaluation.hpp"
 #include "core/lab/eval/partition_metrics.hpp"
 #include "core/lab/eval/threshold_sweep.hpp"
 
@@ -30,10 +31,12 @@ struct Report {
   Degradation degradation;
   std::optional<LearnedThreshold> learned;
   std::vector<SceneScores> per_scene;
+  std::vector<SceneFailure> failed = {};
 };
 
-/// One JSON object in one line: scenes, method, threshold, data, degradation, learned, the means of all metrics, and
-/// per_scene with the file and the metrics of each scene. A metric that is undefined is null.
+/// One JSON object in one line: scenes, method, threshold, data, degradation, learned, the means of all metrics,
+/// per_scene with the file and the metrics of each scene, and failed with the file and the error of each scene that
+/// could not be scored. A metric that is undefined is null.
 std::string to_json(const Report& report);
 
 /// Tables for people.

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/lab/eval/report.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -77,6 +78,10 @@ std::string to_json(const Report& report) {
     Json row = {{"file", scene.file}};
     add_metrics(row, scene.values);
     rows.push_back(std::move(row));
+  }
+  Json& failed = json["failed"] = Json::array();
+  for (const SceneFailure& scene : report.failed) {
+    failed.push_back({{"file", scene.file}, {"error", message_of(scene.status)}});
   }
   return one_line(json);
 }

@@ -33,9 +33,12 @@ class Folder : public testing::Test {
   }
 
   absl::StatusOr<std::vector<SceneScores>> run(const SegmentScene& segment, const Degradation& degradation = {}) {
-    return evaluate(*scene_files(folder_), degradation, segment, [this](std::size_t done, std::size_t all) {
-      progress_.push_back(static_cast<double>(done) / static_cast<double>(all));
-    });
+    const Evaluation evaluation =
+        evaluate(*scene_files(folder_), degradation, segment, [this](std::size_t done, std::size_t all) {
+          progress_.push_back(static_cast<double>(done) / static_cast<double>(all));
+        });
+    if (!evaluation.failures.empty()) return evaluation.failures.front().status;
+    return evaluation.scores;
   }
 
   fs::path folder_;
@@ -77,6 +80,21 @@ TEST_F(Folder, ScoresAreThoseOfTheSegmentation) {
   EXPECT_GT(*v[metric("supervoxel_quality.boundary_recall")], 0.5);
   EXPECT_GT(*v[metric("ms")], 0);
   EXPECT_EQ(*mean(*rows)[metric("segments")], (*v[metric("segments")] + *(*rows)[1].values[metric("segments")]) / 2);
+}
+
+TEST_F(Folder, AFileThatFailsStopsNoOther) {
+  add_scene("1.pcd", 1);
+  std::ofstream(folder_ / "2.pcd") << "no cloud";
+  add_scene("3.pcd", 3);
+  std::vector<std::size_t> progress;
+  const Evaluation evaluation = evaluate(*scene_files(folder_), {}, with_options({}),
+                                         [&](std::size_t done, std::size_t) { progress.push_back(done); });
+  EXPECT_THAT(progress, testing::ElementsAre(1, 2, 3));
+  ASSERT_EQ(evaluation.scores.size(), 2U);
+  EXPECT_EQ(evaluation.scores[1].file, "3.pcd");
+  ASSERT_EQ(evaluation.failures.size(), 1U);
+  EXPECT_EQ(evaluation.failures[0].file, "2.pcd");
+  EXPECT_THAT(std::string(evaluation.failures[0].status.message()), testing::StartsWith((folder_ / "2.pcd").string()));
 }
 
 TEST_F(Folder, GroundTruthItselfScoresPerfectly) {

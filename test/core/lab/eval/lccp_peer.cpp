@@ -68,12 +68,12 @@ absl::Status run(const std::string& folder, const std::string& json_path, const 
   report.method = settings.only_supervoxels ? "pcl-vccs" : "pcl-lccp";
   report.folder = folder;
   report.degradation = degradation;
-  auto rows = eval::evaluate(
+  eval::Evaluation evaluation = eval::evaluate(
       *files, degradation,
       [&](const CloudView& cloud) -> absl::StatusOr<eval::Partition> { return segment_by_pcl(cloud, settings); },
       [](std::size_t, std::size_t) {});
-  if (!rows.ok()) return rows.status();
-  report.per_scene = *std::move(rows);
+  if (!evaluation.failures.empty()) return evaluation.failures.front().status;
+  report.per_scene = std::move(evaluation.scores);
   if (!json_path.empty()) {
     std::ofstream file(json_path, std::ios::binary);
     if (!(file << eval::to_json(report) << std::flush)) return absl::UnavailableError("cannot write " + json_path);

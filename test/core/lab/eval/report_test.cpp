@@ -30,6 +30,13 @@ TEST(Report, JsonHoldsMeansAndRows) {
   EXPECT_EQ(json.find('\n'), json.size() - 1);
 }
 
+TEST(Report, JsonTellsWhatFailed) {
+  Report report = example();
+  EXPECT_THAT(to_json(report), HasSubstr(R"("failed":[])"));
+  report.failed.push_back({"c.pcd", absl::InvalidArgumentError("osd/c.pcd: is broken")});
+  EXPECT_THAT(to_json(report), HasSubstr(R"("failed":[{"file":"c.pcd","error":"osd/c.pcd: is broken"}])"));
+}
+
 TEST(Report, ReadsWhatItWrote) {
   const Report report = *report_from_json(to_json(example()));
   EXPECT_EQ(report.method, "lambda");
