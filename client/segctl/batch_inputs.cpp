@@ -6,8 +6,11 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <system_error>
 
+#include "client/segctl/json_flag.hpp"
+#include "client/segctl/output_names.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -16,6 +19,7 @@ namespace segserve::segctl {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
 
 bool is_cloud_file(const fs::directory_entry& entry) {
   std::string extension = entry.path().extension().string();
@@ -50,28 +54,41 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
     }
   }
   if (files.empty()) return absl::InvalidArgumentError("there is no PCD or PLY file in what was given");
+  std::set<fs::path> seen;
+  std::erase_if(files, [&](const auto& file) { return !seen.insert(fs::absolute(file).lexically_normal()).second; });
   return files;
 }
+
+// What a summary says. Other programs may have written the file.
+
+Json member(const Json& json, const char* name) {
+  return json.is_object() && json.contains(name) ? json[name] : Json();
+}
+
+std::string text(const Json& json) { return json.is_string() ? json.get<std::string>() : ""; }
+
+std::uint64_t number(const Json& json) { return json.is_number_unsigned() ? json.get<std::uint64_t>() : 0; }
 
 }  // namespace
 
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths,
                                                      const std::string& out_dir) {
   ASSIGN_OR_RETURN(const auto files, expand_folders(paths));
+  const std::vector<std::string> names = output_names(files);
   std::vector<BatchInput> inputs;
   std::map<std::string, std::string> owners;  // from a name in the output folder to the file that is written there
-  for (const std::string& file : files) {
-    const std::string name = fs::path(file).stem().string();
-    const auto [owner, is_new] = owners.emplace(name, file);
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string stem = (fs::path(out_dir) / names[i]).string();
+    const auto [owner, is_new] = owners.emplace(names[i], files[i]);
     if (!is_new) {
-      return absl::InvalidArgumentError(fmt::format("{} and {} would both be written to {}.pcd", owner->second, file,
-                                                    (fs::path(out_dir) / name).string()));
+      return absl::InvalidArgumentError(
+          fmt::format("{} and {} would both be written to {}.pcd: rename one of them", owner->second, files[i], stem));
     }
-    const std::string stem = (fs::path(out_dir) / name).string();
-    inputs.push_back({file, stem + ".pcd", stem + ".json"});
+    inputs.push_back({files[i], stem + ".pcd", stem + ".json"});
     std::error_code error;
-    if (fs::equivalent(file, inputs.back().cloud_path, error)) {
-      return absl::InvalidArgumentError(fmt::format("{} would be overwritten by its own output", file));
+    if (fs::equivalent(files[i], inputs.back().cloud_path, error)) {
+      return absl::InvalidArgumentError(
+          fmt::format("{} would be overwritten by its own output: use another folder for --out-dir", files[i]));
     }
   }
   return inputs;
@@ -81,14 +98,14 @@ std::optional<DoneBefore> done_before(const BatchInput& input, const std::string
   std::error_code error;
   if (!fs::is_regular_file(input.cloud_path, error)) return std::nullopt;
   std::ifstream file(input.summary_path);
-  const auto summary = nlohmann::json::parse(file, nullptr, false);
-  if (!summary.is_object()) return std::nullopt;
-  const auto batch = summary.find("batch");
-  if (batch == summary.end() || !batch->is_object()) return std::nullopt;
-  const bool is_same = batch->value("key", "") == key &&
-                       batch->value("input_bytes", std::uint64_t{0}) == fs::file_size(input.path, error);
+  const auto summary = Json::parse(file, nullptr, false);
+  const Json batch = member(summary, "batch");
+  const auto file_name = [](const std::string& path) { return json_text(fs::path(path).filename().string()); };
+  const bool is_same = text(member(batch, "key")) == key &&
+                       file_name(text(member(batch, "input"))) == file_name(input.path) &&
+                       number(member(batch, "input_bytes")) == fs::file_size(input.path, error);
   if (!is_same) return std::nullopt;
-  return DoneBefore{summary.value("points", std::size_t{0}), summary.value("segments", std::uint32_t{0})};
+  return DoneBefore{number(member(summary, "points")), static_cast<std::uint32_t>(number(member(summary, "segments")))};
 }
 
 }  // namespace segserve::segctl

@@ -14,13 +14,13 @@ namespace segserve::segctl {
 /// One file of a batch, and where its outputs go.
 struct BatchInput {
   std::string path;
-  std::string cloud_path;    ///< DIR/NAME.pcd: the labeled cloud.
+  std::string cloud_path;    ///< DIR/NAME.pcd: the labeled cloud. For NAME see output_names.
   std::string summary_path;  ///< DIR/NAME.json: written last, so that it stands for a complete output.
 };
 
 /// The given files, and the PCD and PLY files in the given folders (not in folders within them), sorted by name within
-/// each folder. INVALID_ARGUMENT if there is none, or if two would have the same output; NOT_FOUND for a path that does
-/// not exist.
+/// each folder. A file that is given twice is taken once. INVALID_ARGUMENT if there is none, or if an output would
+/// overwrite a file or another output; NOT_FOUND for a path that does not exist.
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths, const std::string& out_dir);
 
 /// The counts in the summary of an earlier run.
@@ -29,7 +29,7 @@ struct DoneBefore {
   std::uint32_t segments = 0;
 };
 
-/// Set if the output is there, complete, and of a file of the same size that was segmented with the same key.
+/// Set if the output is there, complete, and of a file of the same name and size that was segmented with the same key.
 std::optional<DoneBefore> done_before(const BatchInput& input, const std::string& key);
 
 }  // namespace segserve::segctl

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/segment_arguments.hpp"
 
+#include <filesystem>
+#include <system_error>
+
 #include "client/segctl/view_flag.hpp"
 #include "core/base/status_macros.hpp"
+#include "fmt/format.h"
 
 namespace segserve::segctl {
 namespace {
@@ -69,6 +73,10 @@ absl::Status SegmentArguments::check_combination() const {
   if (!many && scenes.size() > 1) return absl::InvalidArgumentError("more than one SCENE needs --out-dir");
   if (scenes.empty() && !rgbd.given()) {
     return absl::InvalidArgumentError("SCENE is required, or --depth and --intrinsics (see segctl segment --help)");
+  if (std::error_code error; !many && !scenes.empty() && std::filesystem::is_directory(scenes.front(), error)) {
+    return absl::InvalidArgumentError(fmt::format(
+        "{} is a folder: --out-dir DIR segments all files in it and writes their labels to DIR", scenes.front()));
+  }
   }
   if (!scenes.empty() && rgbd.given()) {
     return absl::InvalidArgumentError("SCENE and RGB-D images exclude each other");

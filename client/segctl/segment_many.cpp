@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
+#include <set>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "client/segctl/batch.hpp"
 #include "client/segctl/output_folder.hpp"
@@ -34,6 +38,15 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   return absl::OkStatus();
 }
 
+/// Also the folders within, which tell files of the same name apart.
+absl::Status make_folders(const std::string& out_dir, const std::vector<BatchInput>& inputs) {
+  RETURN_IF_ERROR(make_folder(out_dir));
+  std::set<std::string> folders;
+  for (const BatchInput& input : inputs) folders.insert(std::filesystem::path(input.cloud_path).parent_path().string());
+  for (const std::string& folder : folders) RETURN_IF_ERROR(make_folder(folder));
+  return absl::OkStatus();
+}
+
 }  // namespace
 
 absl::Status segment_many(const SegmentArguments& arguments) {
@@ -46,7 +59,7 @@ absl::Status segment_many(const SegmentArguments& arguments) {
   job.json = &arguments.json;
   job.quiet = arguments.quiet;
   if (!arguments.local) RETURN_IF_ERROR(prepare_remote(arguments, job));
-  RETURN_IF_ERROR(make_folder(arguments.out_dir));
+  RETURN_IF_ERROR(make_folders(arguments.out_dir, job.inputs));
   return run_batch(job);
 }
 

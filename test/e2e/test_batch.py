@@ -172,9 +172,8 @@ class Batch(EndToEnd):
 
     def test_wrong_usage(self):
         scene = self.inputs / "scene1.pcd"
-        twin = self.path("twin")
-        twin.mkdir()
-        (twin / "scene1.ply").write_bytes(b"")
+        twin = self.inputs / "scene1.PCD"
+        twin.write_bytes(b"")
         for arguments, said in (((scene, scene), "--out-dir"), ((scene, "--out-dir", scene, "--local"), "cannot make the folder"),
                                 ((scene, "--out-dir", scene / "x", "--local"), "cannot make the folder"),
                                 ((scene, twin, "--out-dir", self.outputs), "both be written"),

@@ -206,6 +206,46 @@ class StoppedBatch(EndToEnd):
                              ["unfinished", None, None, None, None])
 
 
+class FilesOfOneName(EndToEnd):
+    def names(self, folder):
+        return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+
+    def segment(self, *arguments):
+        return self.run_well("segment", *arguments, "--local").stdout.decode()
+
+    def test_are_told_apart_by_extension_and_folder(self):
+        a, b, out = self.path("a"), self.path("b"), self.path("out")
+        for path in (a / "s1.pcd", a / "s1.ply", a / "s2.ply", b / "s1.pcd", b / "s3.pcd"):
+            path.parent.mkdir(exist_ok=True)
+            self.run_well("synth", "-q", "-o", path, *SMALL)
+        self.assertEqual(self.segment(a, "--out-dir", out), "3 segmented, 0 done before, 0 failed\n")
+        self.assertEqual(self.names(out), {f"{name}{kind}" for name in ("s1", "s1.ply", "s2") for kind in (".pcd", ".json")})
+        self.assertEqual(json.loads((out / "s1.ply.json").read_text())["batch"]["input"], str(a / "s1.ply"))
+        self.assertEqual(self.segment(a, "--out-dir", out), "0 segmented, 3 done before, 0 failed\n")
+        self.assertEqual(self.segment(a / "s1.pcd", a / "s1.ply", a / ".." / a.name / "s1.ply", "--out-dir", out),
+                         "0 segmented, 2 done before, 0 failed\n", "a file that is given twice is one file")
+        out = self.path("both")
+        self.assertEqual(self.segment(a, b, "--out-dir", out), "5 segmented, 0 done before, 0 failed\n")
+        self.assertEqual(self.names(out), {f"{name}{kind}" for kind in (".pcd", ".json")
+                                           for name in (f"{a.name}/s1", "s1.ply", "s2", f"{b.name}/s1", "s3")})
+        self.assertEqual(self.segment(b, a, "--out-dir", out), "0 segmented, 5 done before, 0 failed\n")
+
+    def test_an_output_of_another_file_is_not_taken_for_done(self):
+        a, out = self.path("a"), self.path("out")
+        a.mkdir()
+        self.run_well("synth", "-q", "-o", a / "s1.ply", *SMALL)
+        self.segment(a, "--out-dir", out)
+        (a / "s1.ply").rename(a / "s1.pcd")  # the name of a file does not matter to its reader
+        self.assertEqual(self.segment(a, "--out-dir", out), "1 segmented, 0 done before, 0 failed\n")
+        (out / "s1.json").write_text('{"batch": {"key": 3, "input": [], "input_bytes": "x"}, "points": "many"}')
+        self.assertEqual(self.segment(a, "--out-dir", out), "1 segmented, 0 done before, 0 failed\n")
+
+    def test_a_folder_without_out_dir_is_told_of_it(self):
+        line = self.run_badly(BAD_INPUT, "segment", self.folder, "--local")
+        self.assertEqual(line, f"segctl: {self.folder} is a folder: --out-dir DIR segments all files in it and writes their "
+                               "labels to DIR\n")
+
+
 class EvalWithABadFile(EndToEnd):
     def test_scores_the_rest_and_tells_at_the_end(self):
         data = self.path("data")
