@@ -10,6 +10,7 @@
 #include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/scene_output.hpp"
+#include "client/segctl/split_output.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "client/segctl/summary.hpp"
 #include "core/base/status_macros.hpp"
@@ -26,8 +27,8 @@ namespace {
 
 HelpText help() {
   return {
-      .common = {"--threshold", "--regions", "--cloud", "--output", "--drop-unlabelled", "--picture", "--segments",
-                 "--json"},
+      .common = {"--threshold", "--regions", "--cloud", "--output", "--drop-unlabelled", "--split", "--picture",
+                 "--segments", "--json"},
       .examples = R"(segctl segment scene.pcd --result scene.segres
 segctl cut scene.segres --threshold 0.25
 segctl cut scene.segres --regions 8 --cloud scene.pcd -o labeled.ply --picture segments.png)",
@@ -45,11 +46,13 @@ struct CutArguments {
   OptionFlags cut;
   std::string cloud_path;
   SceneOutput scene_output;
+  SplitOutput split_output;
   bool segments = false;
   JsonFlag json;
   bool quiet = false;
 
   void add_to(CLI::App& app);
+  bool needs_points() const { return scene_output.wanted() || split_output.wanted(); }
 };
 
 void CutArguments::add_to(CLI::App& app) {
@@ -57,10 +60,11 @@ void CutArguments::add_to(CLI::App& app) {
       ->type_name("FILE")
       ->required();
   cut.add_cut_to(app);
-  app.add_option("--cloud", cloud_path, "the cloud that was segmented, for -o, the pictures and --segments")
+  app.add_option("--cloud", cloud_path, "the cloud that was segmented, for -o, --split, the pictures and --segments")
       ->type_name("SCENE")
       ->group("Output");
   scene_output.add_to(app);
+  split_output.add_to(app);
   app.add_flag("--segments", segments,
                "tell points, centroid, oriented box and mean color of every segment in --json (the normals of a new "
                "cut are not known)")
@@ -70,13 +74,15 @@ void CutArguments::add_to(CLI::App& app) {
 }
 
 absl::Status announce_outputs(const CutArguments& arguments, StagedOutput& output) {
-  if (arguments.scene_output.wanted() && arguments.cloud_path.empty()) {
-    return absl::InvalidArgumentError("-o, --picture and --plain-picture need --cloud, the cloud that was segmented");
+  if (arguments.needs_points() && arguments.cloud_path.empty()) {
+    return absl::InvalidArgumentError(
+        "-o, --split, --picture and --plain-picture need --cloud, the cloud that was segmented");
   }
   if (arguments.segments && (arguments.cloud_path.empty() || !arguments.json.given())) {
     return absl::InvalidArgumentError("--segments needs --cloud, the cloud that was segmented, and --json");
   }
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
+  RETURN_IF_ERROR(arguments.split_output.announce(output));
   return arguments.json.announce(output);
 }
 
@@ -147,6 +153,7 @@ absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, Staged
   ASSIGN_OR_RETURN(const auto scene, codec::load_cloud(arguments.cloud_path, read_options(result)));
   RETURN_IF_ERROR(check_cloud(arguments, saved, scene.cloud));
   arguments.scene_output.add(output, scene, result.segmentation.labels);
+  RETURN_IF_ERROR(arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output));
   if (!arguments.segments) return absl::OkStatus();
   RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), result.segmentation));
   for (SegmentStatistics& segment : result.segmentation.statistics) codec::to_file(scene.placement, segment);
@@ -166,7 +173,7 @@ absl::Status run(const CutArguments& arguments) {
   RETURN_IF_ERROR(recut(saved.result, options));
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
 
-  if (arguments.scene_output.wanted() || arguments.segments) RETURN_IF_ERROR(add_scene(arguments, saved, output));
+  if (arguments.needs_points() || arguments.segments) RETURN_IF_ERROR(add_scene(arguments, saved, output));
   const Summary summary{.result = saved.result,
                         .input = input_name(arguments.result_path),
                         .server = "",

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "client/segctl/point_subset.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/lab/picture/picture.hpp"
 #include "fmt/format.h"
@@ -35,38 +36,14 @@ std::vector<std::uint32_t> segment_colors(std::span<const std::uint32_t> labels)
   return colors;
 }
 
-/// The entries of `values`, `bytes` each, of the points that have a label other than 0.
-template <typename T>
-std::vector<T> labeled_only(std::span<const T> values, std::size_t per_point, std::span<const std::uint32_t> labels) {
-  std::vector<T> kept;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    const auto entry = values.subspan(i * per_point, per_point);
-    if (labels[i] != 0) kept.insert(kept.end(), entry.begin(), entry.end());
-  }
-  return kept;
-}
-
 /// The points with a label other than 0, in their order, as an unorganized cloud, with their labels.
 codec::LabeledCloud labeled_points(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) {
-  codec::LabeledCloud kept;
-  const auto filter = [labels]<typename T>(const std::vector<T>& values, std::size_t per_point = 1) {
-    return values.empty() ? std::vector<T>() : labeled_only(std::span<const T>(values), per_point, labels);
-  };
-  kept.label = labeled_only(labels, 1, labels);
-  kept.cloud.x = filter(scene.cloud.x);
-  kept.cloud.y = filter(scene.cloud.y);
-  kept.cloud.z = filter(scene.cloud.z);
-  kept.cloud.rgb = filter(scene.cloud.rgb);
-  kept.cloud.width = static_cast<std::uint32_t>(kept.label.size());
-  kept.cloud.height = 1;
-  kept.cloud.view = scene.cloud.view;
-  kept.placement = scene.placement;
-  std::ranges::transform(scene.file_position, kept.file_position.begin(),
-                         [&](const std::vector<double>& axis) { return filter(axis); });
-  for (const codec::Attribute& attribute : scene.attributes) {
-    kept.attributes.push_back(
-        {attribute.name, attribute.type, attribute.count, filter(attribute.values, attribute.bytes_per_point())});
+  std::vector<std::size_t> points;
+  for (std::size_t i = 0; i < labels.size(); ++i) {
+    if (labels[i] != 0) points.push_back(i);
   }
+  codec::LabeledCloud kept = subset_of(scene, points);
+  for (const std::size_t i : points) kept.label.push_back(labels[i]);
   return kept;
 }
 

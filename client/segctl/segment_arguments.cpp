@@ -42,6 +42,7 @@ void SegmentArguments::add_to(CLI::App& app) {
       ->type_name("TEXT")
       ->group("Server");
   scene_output.add_to(app);
+  split_output.add_to(app);
   app.add_option("--result", result_path, "save the result with its merge tree, for segctl cut")
       ->type_name("FILE")
       ->group("Output");
@@ -66,17 +67,18 @@ void SegmentArguments::add_to(CLI::App& app) {
 
 absl::Status SegmentArguments::check_combination() const {
   const bool many = !out_dir.empty();
-  if (many && (scene_output.wanted() || !result_path.empty() || !request_id.empty() || rgbd.given())) {
+  if (many &&
+      (scene_output.wanted() || split_output.wanted() || !result_path.empty() || !request_id.empty() || rgbd.given())) {
     return absl::InvalidArgumentError(
-        "--out-dir excludes -o, --picture, --plain-picture, --result, --request-id and RGB-D images");
+        "--out-dir excludes -o, --split, --picture, --plain-picture, --result, --request-id and RGB-D images");
   }
   if (!many && scenes.size() > 1) return absl::InvalidArgumentError("more than one SCENE needs --out-dir");
-  if (scenes.empty() && !rgbd.given()) {
-    return absl::InvalidArgumentError("SCENE is required, or --depth and --intrinsics (see segctl segment --help)");
   if (std::error_code error; !many && !scenes.empty() && std::filesystem::is_directory(scenes.front(), error)) {
     return absl::InvalidArgumentError(fmt::format(
         "{} is a folder: --out-dir DIR segments all files in it and writes their labels to DIR", scenes.front()));
   }
+  if (scenes.empty() && !rgbd.given()) {
+    return absl::InvalidArgumentError("SCENE is required, or --depth and --intrinsics (see segctl segment --help)");
   }
   if (!scenes.empty() && rgbd.given()) {
     return absl::InvalidArgumentError("SCENE and RGB-D images exclude each other");
@@ -111,7 +113,7 @@ absl::StatusOr<SegmentRequest> SegmentArguments::request() const {
   ASSIGN_OR_RETURN(request.codec, codec.options());
   request.segments = segments;
   request.unit = unit.unit();
-  request.keep_everything = scene_output.wanted() || !out_dir.empty();
+  request.keep_everything = scene_output.wanted() || split_output.wanted() || !out_dir.empty();
   return request;
 }
 

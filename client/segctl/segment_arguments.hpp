@@ -16,6 +16,7 @@
 #include "client/segctl/rgbd_flags.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/server_flags.hpp"
+#include "client/segctl/split_output.hpp"
 #include "client/segctl/unit_flag.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "segserve/cloud.hpp"
@@ -52,6 +53,7 @@ struct SegmentArguments {
   bool fallback_local = false;
   std::string request_id;
   SceneOutput scene_output;
+  SplitOutput split_output;
   std::string result_path;
   bool segments = false;
   JsonFlag json;

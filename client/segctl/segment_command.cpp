@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "client/calls/local.hpp"
 #include "client/segctl/command.hpp"
@@ -50,22 +52,23 @@ are in the file's coordinates and unit again; all lengths on the command line ar
 Lossy codecs move points by at most their error bound. The labels still come back in the order of the input. With
 --local and a codec, the points are segmented as a server would see them.
 
+--split writes as --encoding and --color say. Label 0 has no file, and files that another result left in DIR are
+removed.
+
 Of a recording, the clouds or depth images of one topic are segmented. The recording that -o writes has the clouds with the
 field "label", those of images on the new topic TOPIC/labeled, and everything else as it was. A frame that fails stays
-without labels. With --out-dir, every frame becomes a PCD file.
-
-With --out-dir, a file that fails stops no other; errors are listed at the end, one a line. The exit code is then 2 if
-every file that failed was bad input, else 1. Ctrl-C stops the rest, and so do servers that are all out of reach for 10 s
-(or half of --timeout, if that is less). The same command goes on from there.)";
+without labels. With --out-dir, files of one name are told apart: NAME.ply beside NAME.pcd goes to NAME.ply.pcd, and files of one name
+in two folders to folders of their names. A file that fails stops no other; errors are listed at the end, one a line.
+The exit code is then 2 if every file that failed was bad input, else 1. Ctrl-C stops the rest, and so do servers that
+are all out of reach for 10 s (or half of --timeout, if that is less). The same command goes on from there.)";
 
 constexpr const char* kExitCodes =
-    "0 success; 1 the operation failed (server unreachable, deadline exceeded, disk full); 2 bad input or usage;\n"
-    "130 Ctrl-C stopped a batch.";
+    "0 success; 1 the operation failed (no server, deadline exceeded, disk full); 2 bad input or usage; 130 Ctrl-C.";
 
 HelpText help() {
   return {.common = {"--method", "--threshold", "--regions", "--range-max", "--support-plane-distance", "--view",
                      "--depth", "--rgb", "--intrinsics", "--server", "--local", "--output", "--drop-unlabelled",
-                     "--picture", "--result", "--segments", "--json", "--out-dir", "--topic"},
+                     "--split", "--picture", "--result", "--segments", "--json", "--out-dir", "--topic"},
           .examples = kExamples,
           .details = kDetails,
           .exit_codes = kExitCodes};
@@ -73,6 +76,7 @@ HelpText help() {
 
 absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& output) {
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
+  RETURN_IF_ERROR(arguments.split_output.announce(output));
   if (!arguments.result_path.empty()) RETURN_IF_ERROR(output.announce(arguments.result_path));
   return arguments.json.announce(output);
 }
@@ -159,8 +163,10 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
 
 absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const client::Result& result, double call_ms,
                            StagedOutput& output) {
-  if (arguments.scene_output.wanted()) {
-    arguments.scene_output.add(output, *job.scene, result.segmentation.labels);
+  if (arguments.scene_output.wanted() || arguments.split_output.wanted()) {
+    const std::vector<std::uint32_t>& labels = result.segmentation.labels;
+    arguments.scene_output.add(output, *job.scene, labels);
+    RETURN_IF_ERROR(arguments.split_output.add(output, *job.scene, labels, arguments.scene_output));
   }
   if (!arguments.result_path.empty()) {
     ASSIGN_OR_RETURN(auto bytes, client::encode_result_file(result, client::fingerprint(job.scene->cloud)));
@@ -185,7 +191,8 @@ absl::Status segment_one(const SegmentArguments& arguments) {
   ASSIGN_OR_RETURN(Job job, prepare(arguments));
 
   auto start = std::chrono::steady_clock::now();
-  const bool needs_points = arguments.scene_output.wanted() || !arguments.result_path.empty();
+  const bool needs_points =
+      arguments.scene_output.wanted() || arguments.split_output.wanted() || !arguments.result_path.empty();
   if (arguments.local || !job.payload || needs_points) {
     ASSIGN_OR_RETURN(job.scene, decode(arguments, job));
   }

@@ -48,6 +48,34 @@ fs::path target_of(const fs::path& path) {
   return error ? path : target;
 }
 
+/// Folders that are made. The destructor removes them again if they are not to be kept and are empty.
+class NewFolders {
+ public:
+  NewFolders() = default;
+  NewFolders(const NewFolders&) = delete;
+  NewFolders& operator=(const NewFolders&) = delete;
+  ~NewFolders() {
+    std::error_code ignored;
+    for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
+  }
+
+  absl::Status make(const fs::path& folder) {
+    std::error_code error;
+    if (folder.empty() || fs::is_directory(folder, error)) return absl::OkStatus();
+    RETURN_IF_ERROR(make(folder.parent_path()));
+    if (!fs::create_directory(folder, error) && error) {
+      return absl::UnavailableError(fmt::format("cannot make the folder {}: {}", folder.string(), error.message()));
+    }
+    made_.push_back(folder);
+    return absl::OkStatus();
+  }
+
+  void keep() { made_.clear(); }
+
+ private:
+  std::vector<fs::path> made_;  ///< The outer ones first.
+};
+
 /// Temporary files. The destructor removes those that were not renamed.
 class TemporaryFiles {
  public:
@@ -102,6 +130,17 @@ absl::Status StagedOutput::announce(std::string_view path) {
   return absl::OkStatus();
 }
 
+absl::Status StagedOutput::announce_folder(const std::string& path) {
+  std::error_code error;
+  fs::path above(path);
+  while (!above.empty() && !fs::exists(above, error)) above = above.parent_path();
+  if (!above.empty() && !fs::is_directory(above, error)) {
+    return absl::InvalidArgumentError(fmt::format("cannot make the folder {}: {} is a file", path, above.string()));
+  }
+  folders_.push_back(path);
+  return absl::OkStatus();
+}
+
 void StagedOutput::add(std::string_view path, std::string bytes) {
   add(path, [content = std::move(bytes)](const std::string& target) { return write_bytes(target, content); });
 }
@@ -113,6 +152,8 @@ void StagedOutput::add(std::string_view path, Writer writer) {
 bool StagedOutput::uses_stdout() const { return std::ranges::find(announced_, "-") != announced_.end(); }
 
 absl::Status StagedOutput::commit() {
+  NewFolders folders;
+  for (const std::string& folder : folders_) RETURN_IF_ERROR(folders.make(folder));
   TemporaryFiles temporary;
   for (const File& file : files_) {
     if (file.path == "-") continue;
@@ -120,6 +161,11 @@ absl::Status StagedOutput::commit() {
     RETURN_IF_ERROR(replace ? temporary.write(target_of(file.path), file.write) : file.write(file.path));
   }
   RETURN_IF_ERROR(temporary.rename_all());
+  folders.keep();
+  for (const std::string& path : removed_) {
+    std::error_code error;
+    if (!fs::remove(path, error) && error) return cannot_write(path, error.value());
+  }
   for (const File& file : files_) {
     if (file.path == "-") RETURN_IF_ERROR(file.write("-"));
   }

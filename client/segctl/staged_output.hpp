@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -18,12 +19,19 @@ class StagedOutput {
   /// it is a folder, or if the same target was announced already.
   absl::Status announce(std::string_view path);
 
+  /// Announces a folder for files, which commit() makes if it is missing, and removes again if it fails.
+  /// INVALID_ARGUMENT if there is a file of this name.
+  absl::Status announce_folder(const std::string& path);
+
   /// Writes a whole file to the path that it is given, or to standard output for "-".
   using Writer = std::function<absl::Status(const std::string& path)>;
 
   /// Adds the content of an announced file.
   void add(std::string_view path, std::string bytes);
   void add(std::string_view path, Writer writer);
+
+  /// Has commit() remove an old file once everything was written.
+  void remove(std::string path) { removed_.push_back(std::move(path)); }
 
   /// True if one of the announced files goes to standard output.
   bool uses_stdout() const;
@@ -38,7 +46,9 @@ class StagedOutput {
     Writer write;
   };
   std::vector<std::string> announced_;
+  std::vector<std::string> folders_;
   std::vector<File> files_;
+  std::vector<std::string> removed_;
 };
 
 }  // namespace segserve::segctl
