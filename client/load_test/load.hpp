@@ -26,7 +26,7 @@ struct Encoding {
 /// The frames of a load test. Neither list may be empty.
 struct FrameSource {
   std::vector<std::shared_ptr<const Cloud>> clouds;  ///< sent in turn, over and over
-  std::vector<Encoding> encodings;  ///< client i uses encodings[i % encodings.size()]
+  std::vector<Encoding> encodings;                   ///< client i uses encodings[i % encodings.size()]
   /// When each cloud was recorded, for LoadOptions::replay_speed: seconds, ascending, at least two.
   std::vector<double> times = {};
 };

@@ -8,8 +8,8 @@
 
 namespace segserve::segctl {
 
-/// The points with these indices, in this order, as a cloud that is not organized, with everything that its file had for
-/// them but labels.
+/// The points with these indices, in this order, as a cloud that is not organized, with everything that its file had
+/// for them but labels.
 codec::LabeledCloud subset_of(const codec::LabeledCloud& scene, std::span<const std::size_t> points);
 
 }  // namespace segserve::segctl

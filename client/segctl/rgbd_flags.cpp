@@ -69,8 +69,6 @@ bool RgbdFlags::given() const {
          !depth_unit_.empty() || depth_scale_option_->count() > 0;
 }
 
-std::string RgbdFlags::input_name() const { return segctl::input_name(depth_path_); }
-
 absl::StatusOr<double> RgbdFlags::depth_scale(std::string_view depth) const {
   if (!depth_unit_.empty()) return depth_unit_ == "mm" ? 0.001 : 1;
   if (depth_scale_option_->count() == 0) {

@@ -7,6 +7,7 @@
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/segctl/input_file.hpp"
 #include "segserve/codec/rgbd_encode.hpp"
 
 namespace segserve::segctl {
@@ -20,7 +21,7 @@ class RgbdFlags {
   /// Whether any of the flags was given.
   bool given() const;
   /// The name of the input in messages.
-  std::string input_name() const;
+  std::string input_name() const { return segctl::input_name(depth_path_); }
 
   /// The bytes of the files. TIFF becomes PGM, PFM or PPM, which servers read. INVALID_ARGUMENT if a flag is missing or
   /// wrong, or a TIFF is broken; other errors as read_input.

@@ -23,11 +23,10 @@ picture::Image color_image(const CloudView& cloud) {
 
 }  // namespace
 
-void RgbdOutput::add_to(CLI::App& app, CLI::Option* excluded, const std::string& group) {
+void RgbdOutput::add_to(CLI::App& app, const std::string& group) {
   depth_scale_ = codec::RgbdOptions{}.depth_scale;
   CLI::Option* depth = app.add_option("--depth", depth_path_, "write the depth image, a 16-bit gray PNG")
                            ->type_name("PNG")
-                           ->excludes(excluded)
                            ->group(group);
   app.add_option("--rgb", color_path_, "write the color image: .jpg, or .png without loss")
       ->type_name("IMAGE")

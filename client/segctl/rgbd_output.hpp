@@ -15,8 +15,7 @@ namespace segserve::segctl {
 /// line.
 class RgbdOutput {
  public:
-  /// None of the flags goes together with `excluded`.
-  void add_to(CLI::App& app, CLI::Option* excluded, const std::string& group);
+  void add_to(CLI::App& app, const std::string& group);
 
   bool wanted() const { return !depth_path_.empty(); }
   double depth_scale() const { return depth_scale_; }

@@ -66,9 +66,26 @@ constexpr const char* kExitCodes =
     "0 success; 1 the operation failed (no server, deadline exceeded, disk full); 2 bad input or usage; 130 Ctrl-C.";
 
 HelpText help() {
-  return {.common = {"--method", "--threshold", "--regions", "--range-max", "--support-plane-distance", "--view",
-                     "--depth", "--rgb", "--intrinsics", "--server", "--local", "--output", "--drop-unlabelled",
-                     "--split", "--picture", "--result", "--segments", "--json", "--out-dir", "--topic"},
+  return {.common = {"--method",
+                     "--threshold",
+                     "--regions",
+                     "--range-max",
+                     "--support-plane-distance",
+                     "--view",
+                     "--depth",
+                     "--rgb",
+                     "--intrinsics",
+                     "--server",
+                     "--local",
+                     "--output",
+                     "--drop-unlabelled",
+                     "--split",
+                     "--picture",
+                     "--result",
+                     "--segments",
+                     "--json",
+                     "--out-dir",
+                     "--topic"},
           .examples = kExamples,
           .details = kDetails,
           .exit_codes = kExitCodes};
@@ -134,9 +151,9 @@ absl::StatusOr<client::Result> segment_remotely(const SegmentArguments& argument
   call.codec = job.request.codec;
   call.outputs.segments = job.request.segments;
   call.outputs.compression = answer_compression(job.request.codec);
-  auto result = job.payload
-                    ? client.segment_payload(*job.payload, job.request.options, call)
-                    : client.segment(job.scene->cloud, codec::to_cloud(job.scene->placement, job.request.options), call);
+  auto result =
+      job.payload ? client.segment_payload(*job.payload, job.request.options, call)
+                  : client.segment(job.scene->cloud, codec::to_cloud(job.scene->placement, job.request.options), call);
   if (!result.ok() && arguments.rgbd.given()) return arguments.rgbd.with_file_name(or_locally(result.status()));
   if (!result.ok()) return or_locally(result.status());
   if (!job.payload) take_file_facts(*job.scene, *result);

@@ -53,8 +53,8 @@ absl::Status SplitOutput::announce(StagedOutput& output) const {
   return wanted() ? output.announce_folder(folder_) : absl::OkStatus();
 }
 
-absl::Status SplitOutput::add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
-                              const SceneOutput& format) const {
+absl::Status SplitOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
+                              std::span<const std::uint32_t> labels, const SceneOutput& format) const {
   if (!wanted()) return absl::OkStatus();
   const std::uint32_t segments = labels.empty() ? 0 : *std::ranges::max_element(labels);
   if (segments > kMostFiles) {

@@ -85,7 +85,7 @@ void SynthArguments::add_to(CLI::App& app) {
   app.add_flag("--all-finite", table.all_finite, "a wall behind the table: every pixel is a point")
       ->excludes(fused_flag)
       ->group(table_group);
-  rgbd_output.add_to(app, fused_flag, table_group);
+  rgbd_output.add_to(app, table_group);
   room_option("--points", room.points, "number of points, 1000 to 20 million")->check(not_negative());
   room_option("--size", room.size, "factor on the usual edges of the room, 0.7 to 10");
   scene_output.add_to(app);
@@ -149,6 +149,10 @@ std::string to_text(const SynthArguments& arguments, const synth::SyntheticScene
 absl::Status run(const SynthArguments& arguments) {
   if (!arguments.scene_output.wanted() && !arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError("-o, --depth, --picture or --plain-picture is needed: what shall be written?");
+  }
+  if (arguments.fused && arguments.rgbd_output.wanted()) {
+    return absl::InvalidArgumentError(
+        "--depth does not go with --fused: no camera sees a whole room; use -o for its points");
   }
   StagedOutput output;
   RETURN_IF_ERROR(arguments.scene_output.announce(output));

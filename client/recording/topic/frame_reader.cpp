@@ -25,8 +25,7 @@ absl::StatusOr<codec::LabeledCloud> decode_cloud_message(const PointCloud2& mess
   // The view is chosen below, by the name of the frame.
   const codec::ReadOptions read{
       .view = View::world(), .unit = options.unit, .keep_everything = options.keep_everything};
-  ASSIGN_OR_RETURN(auto content,
-                   codec::decode_strided(message.layout, message.data, read, options.limits, stop));
+  ASSIGN_OR_RETURN(auto content, codec::decode_strided(message.layout, message.data, read, options.limits, stop));
   choose_view(message.header.frame_id, message.has_pose, options.view, content);
   return content;
 }

@@ -54,9 +54,9 @@ struct TopicReaderOptions {
   /// beside the topic, as ROS has it, or the only one of its namespace. A topic with "rect" in its name has the
   /// intrinsics P of rectified images, any other K; distortion is not corrected, of which a warning tells.
   std::string camera_info_topic = {};
-  std::optional<View> view = std::nullopt;               ///< replaces the one that the rule chooses
-  codec::LengthUnit unit = codec::LengthUnit::kMeter;    ///< of the coordinates of clouds
-  bool keep_everything = false;                          ///< see codec::ReadOptions; of clouds
+  std::optional<View> view = std::nullopt;                              ///< replaces the one that the rule chooses
+  codec::LengthUnit unit = codec::LengthUnit::kMeter;                   ///< of the coordinates of clouds
+  bool keep_everything = false;                                         ///< see codec::ReadOptions; of clouds
   codec::DecodeLimits limits = {.max_bytes = std::uint64_t{1} << 30U};  ///< of a chunk, a message and a cloud
 };
 
