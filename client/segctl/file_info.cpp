@@ -13,10 +13,9 @@
 #include "client/segctl/view_flag.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
-#include "core/base/stop_check.hpp"
-#include "core/codec/common/point_spacing.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/point_spacing.hpp"
 #include "segserve/codec/unit_conversion.hpp"
 
 namespace segserve::segctl {
@@ -90,9 +89,7 @@ absl::StatusOr<Json> file_info(const std::string& path, codec::ReadOptions optio
   auto scene = codec::decode_cloud(std::as_bytes(std::span(bytes)), {}, options);
   if (!scene.ok()) return with_prefix(input_name(path), scene.status());
   const Box box = box_of(*scene);
-  const StopToken never;
-  StopCheck check(never);
-  const auto spacing = codec::point_spacing(scene->cloud, check);
+  const auto spacing = codec::point_spacing(scene->cloud);
   const std::set<std::uint32_t> labels(scene->label.begin(), scene->label.end());
 
   Json json;

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "client/recording/images/color_image.hpp"
-#include "client/recording/images/depth_image.hpp"
+#include "client/recording/images/recorded_color.hpp"
+#include "client/recording/images/recorded_depth.hpp"
 #include "client/recording/topic/parse_message.hpp"
 #include "client/recording/topic/topic_view.hpp"
 #include "core/base/status_macros.hpp"
@@ -48,18 +48,27 @@ absl::StatusOr<Depth> read_depth(const KeptMessage& depth, const codec::DecodeLi
   return result;
 }
 
-absl::StatusOr<codec::ColorImage> read_color(const KeptMessage& color, const codec::DecodeLimits& limits) {
+/// The image, and how it is damaged.
+absl::StatusOr<codec::JpegImage> read_color(const KeptMessage& color, const codec::DecodeLimits& limits,
+                                            const StopToken& stop) {
   if (color.type.kind == MessageKind::kRawImage) {
     ASSIGN_OR_RETURN(const RawImage image, parse_raw_image(color.type.encoding, color.bytes));
-    return decode_color(image, limits);
+    ASSIGN_OR_RETURN(auto decoded, decode_color(image, limits));
+    return codec::JpegImage{std::move(decoded), ""};
   }
   ASSIGN_OR_RETURN(const CompressedImage image, parse_compressed_image(color.type.encoding, color.bytes));
-  return decode_color(image, limits);
+  return decode_color(image, limits, stop);
 }
 
-absl::Status add_color(const std::optional<KeptMessage>& color, const codec::DecodeLimits& limits, Cloud& cloud) {
+absl::Status add_color(const std::optional<KeptMessage>& color, const codec::DecodeLimits& limits,
+                       const StopToken& stop, codec::LabeledCloud& content) {
+  Cloud& cloud = content.cloud;
   if (!color) return absl::NotFoundError("there is no color image within 0.1 s");
-  ASSIGN_OR_RETURN(const codec::ColorImage image, read_color(*color, limits));
+  ASSIGN_OR_RETURN(const codec::JpegImage decoded, read_color(*color, limits, stop));
+  const codec::ColorImage& image = decoded.image;
+  if (!decoded.damage.empty()) {
+    content.warnings.push_back({codec::WarningReason::kImageDamaged, "the color image is damaged: " + decoded.damage});
+  }
   if (image.size != codec::ImageSize{cloud.width, cloud.height}) {
     return absl::InvalidArgumentError(fmt::format("the color image has {} x {} pixels, but the depth image has {} x {}",
                                                   image.size.width, image.size.height, cloud.width, cloud.height));
@@ -101,7 +110,7 @@ absl::StatusOr<codec::LabeledCloud> make_cloud(const ImagePair& pair, const Dept
     warning.message = kDistorted;
   }
   if (options.color_topic.empty()) return content;
-  if (const absl::Status added = add_color(pair.color, options.limits, content.cloud); !added.ok()) {
+  if (const absl::Status added = add_color(pair.color, options.limits, stop, content); !added.ok()) {
     content.warnings.push_back({codec::WarningReason::kColorNotUsed, message_of(added)});
   }
   return content;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/codec/common/point_spacing.hpp"
+#include "segserve/codec/point_spacing.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <limits>
 #include <vector>
+
+#include "core/codec/common/spacing_search.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -69,6 +71,11 @@ class SortedPoints {
 };
 
 }  // namespace
+
+std::optional<double> point_spacing(const CloudView& cloud, const StopToken& stop) {
+  StopCheck check(stop);
+  return point_spacing(cloud, check);
+}
 
 std::optional<double> point_spacing(const CloudView& cloud, StopCheck& check) {
   const SortedPoints points(cloud, check);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/codec/common/point_spacing.hpp"
+#include "core/codec/common/spacing_search.hpp"
 
 namespace segserve::codec {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "client/recording/images/color_image.hpp"
-#include "client/recording/images/depth_image.hpp"
 #include "client/recording/images/image_messages.hpp"
+#include "client/recording/images/recorded_color.hpp"
+#include "client/recording/images/recorded_depth.hpp"
 #include "client/recording/topic/rgbd_frames.hpp"
 #include "core/codec/rgbd/png_image.hpp"
 #include "test/client/recording/recording_files.hpp"

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "client/recording/images/color_image.hpp"
-#include "client/recording/images/depth_image.hpp"
+#include "client/recording/images/recorded_color.hpp"
+#include "client/recording/images/recorded_depth.hpp"
 #include "client/recording/topic/parse_message.hpp"
 #include "segserve/codec/strided.hpp"
 

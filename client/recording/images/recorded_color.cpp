@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/recording/images/color_image.hpp"
+#include "client/recording/images/recorded_color.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/base/status_macros.hpp"
+#include "core/base/stop_check.hpp"
 #include "core/codec/rgbd/jpeg_image.hpp"
+#include "core/codec/rgbd/png_image.hpp"
 
 namespace segserve::recording {
 namespace {
@@ -52,9 +55,14 @@ absl::StatusOr<codec::ColorImage> decode_color(const RawImage& image, const code
   return color;
 }
 
-absl::StatusOr<codec::ColorImage> decode_color(const CompressedImage& image, const codec::DecodeLimits& limits) {
-  if (codec::is_png(image.data)) return codec::decode_png_color(image.data, limits);
-  if (codec::is_jpeg(image.data)) return codec::decode_jpeg(image.data, limits);
+absl::StatusOr<codec::JpegImage> decode_color(const CompressedImage& image, const codec::DecodeLimits& limits,
+                                              const StopToken& stop) {
+  StopCheck check(stop);
+  if (codec::is_png(image.data)) {
+    ASSIGN_OR_RETURN(auto decoded, codec::decode_png_color(image.data, limits, check));
+    return codec::JpegImage{std::move(decoded), ""};
+  }
+  if (codec::is_jpeg(image.data)) return codec::decode_jpeg(image.data, limits, check);
   return absl::InvalidArgumentError(
       fmt::format("color images of format '{}' are not read; JPEG and PNG are", image.format));
 }

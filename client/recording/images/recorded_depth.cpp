@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/recording/images/depth_image.hpp"
+#include "client/recording/images/recorded_depth.hpp"
 
 #include <fmt/format.h>
 
@@ -66,9 +66,9 @@ absl::StatusOr<DepthImage> decode_png(std::string_view png, const std::optional<
                                       const codec::DecodeLimits& limits, const StopToken& stop) {
   ASSIGN_OR_RETURN(const codec::ImageSize claimed, codec::png_size(png));
   RETURN_IF_ERROR(codec::check_image_size(claimed, kPointBytes, limits));
-  ASSIGN_OR_RETURN(const codec::GrayImage image, codec::decode_png_gray16(png, limits));
-  DepthImage depth{image.size, std::vector<float>(image.pixels.size())};
   StopCheck check(stop);
+  ASSIGN_OR_RETURN(const codec::GrayImage image, codec::decode_png_depth(png, limits, check));
+  DepthImage depth{image.size, std::vector<float>(image.pixels.size())};
   check.for_each(0, image.pixels.size(), [&](std::size_t i) {
     const std::uint16_t pixel = image.pixels[i];
     const bool is_inverse = inverse && pixel != 0;
