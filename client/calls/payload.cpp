@@ -63,7 +63,7 @@ absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const 
 }
 
 Payload pcd_payload(std::string file_bytes, std::optional<View> view, codec::LengthUnit unit) {
-  return make_payload(wire::to_pcd_message(std::move(file_bytes), view, unit));
+  return make_payload(wire::to_pcd_message(std::move(file_bytes), std::move(view), unit));
 }
 
 Payload rgbd_payload(codec::RgbdFiles images) {

@@ -22,9 +22,9 @@ Arrivals Arrivals::recorded(const std::vector<double>& times, double speed, std:
 
 double Arrivals::next_recorded() {
   const std::size_t frame = next_ % times_.size();
-  const auto round = static_cast<double>(next_ / times_.size());
+  const std::size_t rounds = next_ / times_.size();
   ++next_;
-  return (round * round_seconds(times_) + times_[frame] - first_) / rate_;
+  return (static_cast<double>(rounds) * round_seconds(times_) + times_[frame] - first_) / rate_;
 }
 
 double Arrivals::next() {

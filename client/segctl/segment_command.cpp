@@ -52,18 +52,19 @@ are in the file's coordinates and unit again; all lengths on the command line ar
 Lossy codecs move points by at most their error bound. The labels still come back in the order of the input. With
 --local and a codec, the points are segmented as a server would see them.
 
---split writes as --encoding and --color say. Label 0 has no file, and files that another result left in DIR are
-removed.
+--split writes as --encoding and --color say. Label 0 has no file. Files that another result left in DIR are removed.
 
-Of a recording, the clouds or depth images of one topic are segmented. The recording that -o writes has the clouds with the
+From a recording the clouds or depth images of one topic are taken. The recording that -o writes has the clouds with the
 field "label", those of images on the new topic TOPIC/labeled, and everything else as it was. A frame that fails stays
-without labels. With --out-dir, files of one name are told apart: NAME.ply beside NAME.pcd goes to NAME.ply.pcd, and files of one name
-in two folders to folders of their names. A file that fails stops no other; errors are listed at the end, one a line.
+without labels. With --out-dir, every frame becomes a PCD file.
+
+With --out-dir, files of one name are told apart: NAME.ply beside NAME.pcd goes to NAME.ply.pcd, and files of one name
+in two folders go to folders of their names. A file that fails stops no other; errors are listed at the end, one a line.
 The exit code is then 2 if every file that failed was bad input, else 1. Ctrl-C stops the rest, and so do servers that
 are all out of reach for 10 s (or half of --timeout, if that is less). The same command goes on from there.)";
 
 constexpr const char* kExitCodes =
-    "0 success; 1 the operation failed (no server, deadline exceeded, disk full); 2 bad input or usage; 130 Ctrl-C.";
+    "0 success; 1 the operation failed (no server, time over, disk full); 2 bad input or usage; 130 Ctrl-C.";
 
 HelpText help() {
   return {.common = {"--method",

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """segctl synth: scenes with ground truth as clouds, images and pictures."""
+import collections
 import json
 import struct
 import unittest
@@ -76,6 +77,40 @@ class Synth(EndToEnd):
                              ("does not fit", "--depth", "x.png", "--depth-scale", "1e-6")):
             with self.subTest(flags=flags):
                 self.assertIn(said, self.run_badly(BAD_INPUT, "synth", *flags))
+
+
+class SyntheticImages(EndToEnd):
+    """The images of a synthetic scene are segmented like its points."""
+
+    def test_give_the_segments_of_the_cloud(self):
+        for flags in ((), ("--no-holes", "--noise", "0"), ("--all-finite",), ("--objects", "1", "--distance", "2"),
+                      ("--clutter", "1", "--stacked", "1", "--seed", "5")):
+            with self.subTest(flags=flags):
+                scene, depth, color = self.path("scene.pcd"), self.path("depth.png"), self.path("color.png")
+                said = self.run_well("synth", *SMALL, *flags, "-o", scene, "--depth", depth, "--rgb", color,
+                                     "--depth-scale", "0.0001").stdout.decode()
+                expected, _ = self.segment_locally(scene)
+                output = self.path("out.pcd")
+                self.run_well("segment", *said.split("segctl segment ")[1].split(), "--local", "-q", "-o", output)
+                labels = pcd.read_labels(output)
+                self.assertEqual([label == 0 for label in labels], [label == 0 for label in expected])
+                pairs = collections.Counter((a, b) for a, b in zip(expected, labels) if a > 0)
+                best = collections.Counter()
+                for (a, _), count in pairs.items():
+                    best[a] = max(best[a], count)
+                self.assertGreater(sum(best.values()) / sum(pairs.values()), 0.8)
+
+    def test_may_come_from_standard_input(self):
+        depth = self.path("depth.png")
+        said = self.run_well("synth", *SMALL, "--depth", depth).stdout.decode()
+        flags = ["-" if word == str(depth) else word for word in said.split("segctl segment ")[1].split()]
+        self.run_well("segment", *flags, "--local", stdin=depth.read_bytes())
+        line = self.run_badly(BAD_INPUT, "segment", *flags, "--local", stdin=b"no picture")
+        self.assertIn("segctl: standard input: depth: ", line)
+
+    def test_a_room_has_none(self):
+        line = self.run_badly(BAD_INPUT, "synth", "--fused", "--depth", "depth.png")
+        self.assertIn("--depth does not go with --fused: no camera sees a whole room", line)
 
 
 if __name__ == "__main__":
