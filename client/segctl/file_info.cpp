@@ -14,6 +14,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
+#include "segserve/client/topic_reader.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/codec/point_spacing.hpp"
 #include "segserve/codec/unit_conversion.hpp"
@@ -113,6 +114,30 @@ absl::StatusOr<Json> file_info(const std::string& path, codec::ReadOptions optio
   json["voxel_resolution"] = spacing ? Json(2 * *spacing) : Json();
   json["warnings"] = warnings_json(scene->warnings);
   return json;
+}
+
+absl::StatusOr<Json> recording_info(const std::string& path) {
+  ASSIGN_OR_RETURN(const auto topics, client::list_topics(path));
+  Json json{{"file", path}, {"format", "recording"}, {"topics", Json::array()}};
+  for (const client::TopicInfo& topic : topics) {
+    json["topics"].push_back({{"name", topic.name},
+                              {"type", topic.type},
+                              {"encoding", topic.encoding},
+                              {"messages", topic.messages},
+                              {"has_frames", topic.has_frames}});
+  }
+  return json;
+}
+
+std::string recording_info_text(const Json& info) {
+  std::string text =
+      fmt::format("{}: a recording of {} topics\n", info["file"].get<std::string>(), info["topics"].size());
+  for (const Json& topic : info["topics"]) {
+    text += fmt::format("  {:<30} {:>7} x {}{}\n", topic["name"].get<std::string>(),
+                        topic["messages"].get<std::uint64_t>(), topic["type"].get<std::string>(),
+                        topic["has_frames"].get<bool>() ? "; segctl segment --topic reads it" : "");
+  }
+  return text;
 }
 
 std::string file_info_text(const Json& info) {

@@ -15,7 +15,12 @@ namespace segserve::segctl {
 /// and decode_cloud.
 absl::StatusOr<nlohmann::ordered_json> file_info(const std::string& path, codec::ReadOptions options);
 
+/// What is in a recording: an object with file, format and topics, each of which has name, type, encoding, messages and
+/// has_frames. Errors are those of client::list_topics.
+absl::StatusOr<nlohmann::ordered_json> recording_info(const std::string& path);
+
 /// The same for people.
 std::string file_info_text(const nlohmann::ordered_json& info);
+std::string recording_info_text(const nlohmann::ordered_json& info);
 
 }  // namespace segserve::segctl

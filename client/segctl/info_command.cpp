@@ -5,6 +5,7 @@
 #include "client/segctl/command.hpp"
 #include "client/segctl/file_info.hpp"
 #include "client/segctl/json_flag.hpp"
+#include "client/segctl/recording_flags.hpp"
 #include "client/segctl/server_flags.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "client/segctl/unit_flag.hpp"
@@ -41,7 +42,8 @@ struct InfoArguments {
 
   void add_to(CLI::App& app) {
     app.add_option("FILE", file,
-                   "tell what is in the file of a cloud; - is standard input; default: tell of the server")
+                   "tell what is in the file of a cloud, or the topics of a recording; - is standard input; default: "
+                   "the server")
         ->type_name("FILE");
     unit.add_to(app, "File");
     app.add_option("--view", view, "where the sensor is: camera, world, or world:X,Y,Z with its position in meters")
@@ -163,6 +165,7 @@ absl::StatusOr<Json> info_of_file(const InfoArguments& arguments) {
   if (arguments.server.server_given()) {
     return absl::InvalidArgumentError("FILE and --server exclude each other: a file is read without a server");
   }
+  if (is_recording_file(arguments.file)) return recording_info(arguments.file);
   codec::ReadOptions options{.unit = arguments.unit.unit()};
   if (!arguments.view.empty()) {
     ASSIGN_OR_RETURN(options.view, parse_view(arguments.view));
@@ -188,7 +191,9 @@ absl::Status run(const InfoArguments& arguments) {
   if (arguments.json.given()) {
     arguments.json.add(output, json_text(json, kIndent));
   } else {
-    output.add("-", is_file ? file_info_text(json) : to_text(json, arguments.server.address()));
+    output.add("-", json.contains("topics") ? recording_info_text(json)
+                    : is_file               ? file_info_text(json)
+                                            : to_text(json, arguments.server.address()));
   }
   return output.commit();
 }

@@ -76,6 +76,13 @@ class Recording(RecordingTest):
                              [data[row * 1763 + column * 22:][:22] for row in range(60) for column in range(80)])
             self.assertEqual(old["decoded"]["header"], new["decoded"]["header"])
 
+    def test_info_lists_the_topics(self):
+        run = self.record(self.scene(1)[1])
+        info = json.loads(self.run_well("info", run, "--json", "-").stdout)
+        self.assertEqual([(topic["name"], topic["type"], topic["messages"], topic["has_frames"]) for topic in info["topics"]],
+                         [("/points", "sensor_msgs/msg/PointCloud2", 1, True), ("/text", "std_msgs/msg/String", 1, False)])
+        self.assertIn("/points", self.run_well("info", run).stdout.decode())
+
     def test_files_can_be_written_instead(self):
         scene, points = self.scene(1)
         run = self.record(points, points)

@@ -7,7 +7,6 @@
 #include <array>
 #include <cctype>
 #include <cstddef>
-#include <limits>
 #include <string_view>
 
 namespace segserve::recording {
@@ -52,12 +51,6 @@ bool is_all_in_front(const Cloud& cloud) {
   return in_front > 0;
 }
 
-void remove_origins(Cloud& cloud) {
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (is_origin(cloud, i)) cloud.x[i] = cloud.y[i] = cloud.z[i] = std::numeric_limits<float>::quiet_NaN();
-  }
-}
-
 }  // namespace
 
 std::string given_view_rule(const View& view) {
@@ -82,7 +75,6 @@ void choose_view(const std::string& frame_id, bool has_pose, const std::optional
   const bool is_optical = name.find("optical") != std::string_view::npos;
   const bool is_own_frame = cloud.height > 1 && !is_body_frame(name);
   if ((is_optical || is_own_frame) && is_all_in_front(cloud)) {
-    remove_origins(cloud);
     cloud.view = View::camera();
     content.view_rule = fmt::format("CAMERA: every point has z > 0, and {}",
                                     is_optical ? fmt::format("the frame '{}' is that of a camera", frame_id)

@@ -71,8 +71,8 @@ struct TopicReaderOptions {
 ///
 ///  0. WORLD with the sensor at (0, 0, 0) if a foxglove.PointCloud has a pose: its points lie in the sensor's frame.
 ///  1. CAMERA if every finite point has z > 0 and the name of the frame contains "optical"; points at (0, 0, 0), by
-///     which drivers say that there is none, become NaN. The same if the cloud is organized and its frame is none that
-///     belongs to a map, a vehicle or a robot's part (map, odom, world, earth, base.., ..base, ..link).
+///     which drivers say that there is none, do not count. The same if the cloud is organized and its frame is none
+///     that belongs to a map, a vehicle or a robot's part (map, odom, world, earth, base.., ..base, ..link).
 ///  2. WORLD with the sensor at (0, 0, 0) if the frame's name is that of a sensor (it contains lidar, laser, velodyne,
 ///     ouster, livox, hesai, scan, radar, sensor, camera, optical or depth), or the cloud is organized and its frame is
 ///     not one of those above: a driver's own cloud lies in the sensor's frame.
