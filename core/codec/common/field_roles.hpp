@@ -26,6 +26,7 @@ struct Field {
 
 /// How the three channels of a color are to be read.
 enum class ChannelKind : std::uint8_t {
+  kSixteenBits,        ///< 0 to 65535
   kIntensity,          ///< 0 to 1, to 255 or to 65535, which the values tell
   kSphericalHarmonic,  ///< the constant term of a Gaussian splat: (color - 1/2) / Y, with Y = sqrt(1 / (4 pi))
 };

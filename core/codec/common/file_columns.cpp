@@ -134,12 +134,12 @@ void FileTable::append_columns(std::string& out) const {
   }
 }
 
-void FileTable::append_text(std::string& out) const {
+void FileTable::append_text(std::string& out, char separator) const {
   for (std::size_t i = 0; i < points_; ++i) {
     bool is_first = true;
     for (const FileColumn& column : columns_) {
       for (std::size_t k = 0; k < column.count; ++k) {
-        if (!std::exchange(is_first, false)) out += ' ';
+        if (!std::exchange(is_first, false)) out += separator;
         const std::byte* const value = column.data + i * column.stride + k * size_of(column.type);
         visit_type(column.type, [&]<typename T>(T) { append_value(out, load<T>(value)); });
       }

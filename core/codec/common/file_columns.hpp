@@ -52,7 +52,7 @@ class FileTable {
   /// Appends the columns one after the other, each with all its points.
   void append_columns(std::string& out) const;
   /// Appends a line for each point, with the shortest numbers that read back as the same values.
-  void append_text(std::string& out) const;
+  void append_text(std::string& out, char separator = ' ') const;
 
  private:
   void add(std::string name, ScalarType type, const void* data, std::size_t stride);

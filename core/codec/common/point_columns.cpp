@@ -84,6 +84,9 @@ void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, StopC
     for (const Column& column : columns) extend(range, column, out.size(), check);
     scale = channel_scale(range, columns[0].type);
     offset = 0;
+  } else if (kind == ChannelKind::kSixteenBits) {
+    scale = 1.0 / 257;
+    offset = 0;
   }
   for (std::size_t i = 0; i < 3; ++i) {
     read_channel(columns[i], kShifts[i], check, out,

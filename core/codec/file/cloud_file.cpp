@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -15,8 +15,16 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/base/stop_check.hpp"
+#include "core/codec/common/compressed_file.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/file/known_formats.hpp"
+#include "core/codec/las/las.hpp"
+#include "core/codec/las/las_header.hpp"
+#include "core/codec/npy/npy.hpp"
+#include "core/codec/npy/npy_header.hpp"
+#include "core/codec/obj/obj.hpp"
+#include "core/codec/text/text_table.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"
 
@@ -74,25 +82,72 @@ absl::Status write_path(const std::string& path, const std::string& bytes) {
   return absl::OkStatus();
 }
 
-/// Whether the path ends in `extension`, which is in lower case, in any case.
-bool has_extension(const std::string& path, std::string_view extension) {
-  if (path.size() < extension.size()) return false;
-  const std::string_view end = std::string_view(path).substr(path.size() - extension.size());
-  return std::equal(end.begin(), end.end(), extension.begin(),
-                    [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+using Reader = absl::StatusOr<LabeledCloud> (*)(std::span<const std::byte>, const DecodeLimits&, const ReadOptions&,
+                                                const StopToken&);
+
+/// A format that is read.
+struct Format {
+  const char* name;
+  bool (*is_own)(std::string_view file);
+  Reader reader;
+};
+
+constexpr Format kPcd{"PCD", nullptr, decode_pcd};
+
+/// The format of a file that is not compressed. What no other format claims is PCD.
+const Format& format_of(std::string_view file) {
+  static constexpr std::array<Format, 6> kFormats{{
+      {"PLY", is_ply, decode_ply},
+      {"LAS", is_las, decode_las},
+      {"NPY", is_npy, decode_npy},
+      {"NPZ", is_npz, decode_npz},
+      {"OBJ", is_obj, decode_obj},
+      {"text", is_text_table, decode_text_table},
+  }};
+  const auto* const found =
+      std::ranges::find_if(kFormats, [file](const Format& format) { return format.is_own(file); });
+  return found == kFormats.end() ? kPcd : *found;
+}
+
+absl::StatusOr<LabeledCloud> decode_plain(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                          const ReadOptions& options, const StopToken& stop) {
+  const std::string_view file = as_text(bytes);
+  if (const auto advice = advice_on_format(file)) return absl::InvalidArgumentError(*advice);
+  const Format& format = format_of(file);
+  auto cloud = format.reader(bytes, limits, options, stop);
+  if (cloud.ok()) cloud->format = format.name;
+  return cloud;
 }
 
 }  // namespace
 
 absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                           const ReadOptions& options, const StopToken& stop) {
-  const auto with_format = [](absl::StatusOr<LabeledCloud> cloud, const char* format) {
-    if (cloud.ok()) cloud->format = format;
-    return cloud;
-  };
-  if (is_ply(as_text(bytes))) return with_format(decode_ply(bytes, limits, options, stop), "PLY");
-  if (const auto advice = advice_on_format(as_text(bytes))) return absl::InvalidArgumentError(*advice);
-  return with_format(decode_pcd(bytes, limits, options, stop), "PCD");
+  const auto compression = compression_of(as_text(bytes));
+  if (!compression) return decode_plain(bytes, limits, options, stop);
+  StopCheck check(stop);
+  std::vector<Warning> warnings;
+  ASSIGN_OR_RETURN(const auto content, decompress(bytes, *compression, limits, check, warnings));
+  ASSIGN_OR_RETURN(LabeledCloud out, decode_plain(content, limits, options, stop));
+  out.warnings.insert(out.warnings.begin(), warnings.begin(), warnings.end());
+  out.format += *compression == Compression::kGzip ? ", gzip" : ", zstd";
+  return out;
+}
+
+bool is_taken_as_pcd(std::span<const std::byte> bytes) {
+  const std::string_view file = as_text(bytes);
+  return !compression_of(file) && &format_of(file) == &kPcd && !advice_on_format(file);
+}
+
+bool is_cloud_file(const std::string& path) {
+  if (!has_readable_extension(path)) return false;
+  if (!has_extension(path, ".txt")) return true;
+  constexpr std::size_t kEnough = std::size_t{1} << 16U;
+  const File file(std::fopen(path.c_str(), "rb"));
+  if (!file) return true;  // Reading it tells why.
+  std::string begin(kEnough, '\0');
+  begin.resize(std::fread(begin.data(), 1, begin.size(), file.get()));
+  return is_text_table(begin);
 }
 
 absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options,
@@ -104,14 +159,14 @@ absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptio
 }
 
 absl::Status save_cloud(const std::string& path, const FileContent& content, FileEncoding encoding) {
-  const bool text = encoding == FileEncoding::kText;
-  if (path == kStandardStream || has_extension(path, ".pcd")) {
-    return write_path(path, encode_pcd(content, text ? PcdEncoding::kAscii : PcdEncoding::kBinaryCompressed));
+  const auto format = path == kStandardStream ? FileFormat::kPcd : file_format_of(path);
+  if (!format) {
+    return with_prefix(
+        path, absl::InvalidArgumentError(fmt::format("the name of a cloud must end in {}", writable_extensions())));
   }
-  if (has_extension(path, ".ply")) {
-    return write_path(path, encode_ply(content, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian));
-  }
-  return with_prefix(path, absl::InvalidArgumentError("the name of a cloud must end in .pcd or .ply"));
+  const auto file = encode_file(content, *format, encoding, scene_name(path));
+  if (!file.ok()) return with_prefix(path, file.status());
+  return write_path(path, file->bytes);
 }
 
 absl::Status save_cloud(const std::string& path, const CloudView& cloud, std::span<const std::uint32_t> label,

@@ -77,12 +77,21 @@ TEST_F(CloudFile, FaultsNameTheFile) {
   expect_fault(load_cloud(path("empty.pcd")).status(), path("empty.pcd") + ": not a PCD file");
   expect_over_limit(load_cloud(path("bad.pcd"), {}, {.max_bytes = 5}).status(), "max_bytes",
                     "it has more bytes than the limit of 5");
-  expect_fault(save_cloud(path("cloud.las"), Cloud{}, {}),
-               path("cloud.las") + ": the name of a cloud must end in .pcd or .ply");
+  expect_fault(save_cloud(path("cloud.stl"), Cloud{}, {}),
+               path("cloud.stl") + ": the name of a cloud must end in .pcd, .ply, .las, ");
 
   EXPECT_FALSE(load_cloud(folder_).ok());
   const auto nowhere = save_cloud(path("no/such/folder.pcd"), Cloud{}, {});
   EXPECT_EQ(nowhere.code(), absl::StatusCode::kNotFound) << nowhere;
+}
+
+TEST_F(CloudFile, NotesAreNoCloud) {
+  std::ofstream(path("notes.txt")) << "what was scanned, and where";
+  std::ofstream(path("points.TXT")) << "x y z\n1 2 3\n";
+  EXPECT_FALSE(is_cloud_file(path("notes.txt")));
+  EXPECT_TRUE(is_cloud_file(path("points.TXT")));
+  EXPECT_TRUE(is_cloud_file(path("a.las.gz")));
+  EXPECT_FALSE(is_cloud_file(path("a.json")));
 }
 
 TEST_F(CloudFile, AFullDiskIsReported) {

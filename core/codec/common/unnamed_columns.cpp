@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/common/unnamed_columns.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+namespace segserve::codec {
+namespace {
+
+using Names = std::array<const char*, 3>;
+constexpr Names kColor{"red", "green", "blue"}, kNormal{"nx", "ny", "nz"};
+
+class ColumnNamer {
+ public:
+  ColumnNamer(const std::vector<Column>& columns, std::size_t points, StopCheck& check)
+      : columns_(columns), points_(points), check_(check), names_{"x", "y", "z"} {}
+
+  std::vector<std::string> run(std::vector<Warning>& warnings) {
+    while (left() > 0) take_next();
+    const bool is_plain = columns_.size() <= 4 || columns_.size() == 6 || (columns_.size() == 7 && !is_ambiguous_);
+    if (!is_plain) {
+      warnings.push_back({WarningReason::kOther,
+                          fmt::format("the columns have no names, and are taken as: {}; a first line with their names "
+                                      "tells what they are",
+                                      fmt::join(names_, " "))});
+    }
+    return names_;
+  }
+
+ private:
+  std::size_t left() const { return columns_.size() - names_.size(); }
+
+  void take_next() {
+    if (left() >= 3 && !has_normal_ && is_normal(names_.size())) {
+      has_normal_ = true;
+      return append(kNormal);
+    }
+    if (left() >= 3 && !has_color_ && is_color(names_.size())) {
+      const bool is_pts = left() == 4 && names_.size() == 3 && is_color(4);
+      if (!is_pts) {
+        has_color_ = true;
+        return append(kColor);
+      }
+      is_ambiguous_ = true;
+    }
+    const bool is_intensity = names_.size() == 3 && (left() == 1 || left() >= 4);
+    names_.push_back(is_intensity ? "intensity" : fmt::format("column_{}", names_.size() + 1));
+  }
+
+  void append(const Names& names) { names_.insert(names_.end(), names.begin(), names.end()); }
+
+  /// Whether the three columns from `first` on are finite, at least 0, and at most 16 bits.
+  bool is_color(std::size_t first) {
+    bool fits = true;
+    for (std::size_t i = first; i < first + 3; ++i) {
+      for_each_value(columns_[i], points_, check_, [&fits](std::size_t, auto value) {
+        const auto number = static_cast<double>(value);
+        fits = fits && number >= 0 && number <= 65535;
+      });
+    }
+    return fits;
+  }
+
+  /// Whether the three columns from `first` on have length 1, but for some that are 0 or not finite.
+  bool is_normal(std::size_t first) {
+    constexpr double kTolerance = 0.02;
+    std::vector<double> squares(points_, 0);
+    for (std::size_t i = first; i < first + 3; ++i) {
+      for_each_value(columns_[i], points_, check_, [&squares](std::size_t point, auto value) {
+        squares[point] += static_cast<double>(value) * static_cast<double>(value);
+      });
+    }
+    std::size_t unit = 0, other = 0;
+    check_.for_each(0, points_, [&](std::size_t i) {
+      if (squares[i] == 0 || !std::isfinite(squares[i])) return;
+      ++(std::abs(squares[i] - 1) < kTolerance ? unit : other);
+    });
+    return unit > 0 && other == 0;
+  }
+
+  const std::vector<Column>& columns_;
+  std::size_t points_;
+  StopCheck& check_;
+  std::vector<std::string> names_;
+  bool has_color_ = false, has_normal_ = false, is_ambiguous_ = false;
+};
+
+}  // namespace
+
+std::vector<std::string> name_columns(const std::vector<Column>& columns, std::size_t points, StopCheck& check,
+                                      std::vector<Warning>& warnings) {
+  return ColumnNamer(columns, points, check).run(warnings);
+}
+
+}  // namespace segserve::codec

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "core/base/stop_check.hpp"
+#include "core/codec/common/column.hpp"
+#include "segserve/codec/warning.hpp"
+
+namespace segserve::codec {
+
+/// Names the columns of a table that has none, three at least, by their values:
+///
+///     x y z                              x y z intensity
+///     x y z red green blue               x y z nx ny nz (of length 1)
+///     x y z intensity red green blue     the same with a triple of colors or normals, or other values, behind
+///
+/// Seven columns that can be read in either way are x y z intensity red green blue, as in PTS. Other columns are
+/// `column_4` and so on. Warns if the values do not make the meaning plain. Once `check` has stopped, the names mean
+/// nothing.
+std::vector<std::string> name_columns(const std::vector<Column>& columns, std::size_t points, StopCheck& check,
+                                      std::vector<Warning>& warnings);
+
+}  // namespace segserve::codec

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/status_macros.hpp"
+#include "core/codec/common/scalar_type.hpp"
+#include "core/codec/las/las.hpp"
+#include "core/codec/las/las_axis.hpp"
+#include "core/codec/las/las_dimensions.hpp"
+#include "core/codec/las/las_fields.hpp"
+#include "core/codec/las/las_header.hpp"
+#include "core/codec/view/view_choice.hpp"
+
+namespace segserve::codec {
+namespace {
+
+constexpr std::size_t kHeaderBytes = 375;
+
+template <typename T>
+void put_number(std::string& out, std::size_t offset, T value) {
+  std::memcpy(out.data() + offset, &value, sizeof value);
+}
+
+/// A variable length record.
+std::string record(std::string_view user, std::uint16_t id, std::string_view payload) {
+  std::string out(kLasRecordHeaderBytes, '\0');
+  std::memcpy(out.data() + 2, user.data(), user.size());
+  put_number(out, 18, id);
+  put_number(out, 20, static_cast<std::uint16_t>(payload.size()));
+  return out.append(payload);
+}
+
+/// Writes the points of a cloud that are finite.
+class LasWriter {
+ public:
+  explicit LasWriter(const FileContent& content) : content_(content) { find_points(); }
+
+  absl::StatusOr<EncodedFile> run() {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      ASSIGN_OR_RETURN(axes_[axis], choose_axis(content_, axis, points_));
+    }
+    const bool has_color = content_.cloud.has_color();
+    format_ = has_color ? 7 : 6;
+    const LasLayout layout = las_layout(format_);
+    const LasDimensions dimensions(content_, points_, layout, out_.warnings);
+    record_bytes_ = layout.bytes + dimensions.extra_bytes();
+    body_.resize(points_.size() * record_bytes_);
+    for (std::size_t axis = 0; axis < 3; ++axis) write_axis(axis);
+    if (has_color) write_color(*layout.color);
+    dimensions.write(body_.data(), record_bytes_);
+    finish(dimensions.descriptions());
+    return std::move(out_);
+  }
+
+ private:
+  void find_points() {
+    const CloudView& cloud = content_.cloud;
+    for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+      bool finite = is_finite(cloud.x[i], cloud.y[i], cloud.z[i]);
+      if (content_.position != nullptr) {
+        finite = std::ranges::all_of(*content_.position, [i](const auto& axis) { return std::isfinite(axis[i]); });
+      }
+      if (finite) points_.push_back(i);
+    }
+    if (points_.size() == cloud.size()) return;
+    out_.warnings.push_back({WarningReason::kPointsNotUsed,
+                             fmt::format("{} points that are not finite are left out, because LAS has no such points",
+                                         cloud.size() - points_.size())});
+  }
+
+  void write_axis(std::size_t axis) {
+    char* to = body_.data() + 4 * axis;
+    for (const std::uint32_t point : points_) {
+      const std::int32_t value = axes_[axis].to_integer(coordinate(content_, axis, point));
+      std::memcpy(to, &value, sizeof value);
+      to += record_bytes_;
+    }
+  }
+
+  void write_color(std::size_t offset) {
+    constexpr unsigned kFull = 257;  // makes 255 65535
+    char* to = body_.data() + offset;
+    for (const std::uint32_t point : points_) {
+      const std::uint32_t rgb = content_.cloud.rgb[point];
+      const std::array<std::uint16_t, 3> color{static_cast<std::uint16_t>(red(rgb) * kFull),
+                                               static_cast<std::uint16_t>(green(rgb) * kFull),
+                                               static_cast<std::uint16_t>(blue(rgb) * kFull)};
+      std::memcpy(to, color.data(), sizeof color);
+      to += record_bytes_;
+    }
+  }
+
+  /// How many points are the first return of their pulse, the second, and so on to the 15th.
+  std::array<std::uint64_t, 15> returns() const {
+    std::array<std::uint64_t, 15> counts{};
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const unsigned number = static_cast<unsigned char>(body_[i * record_bytes_ + 14]) & 0xFU;
+      if (number > 0) ++counts[number - 1];
+    }
+    return counts;
+  }
+
+  void finish(const std::string& descriptions) {
+    std::string records = record(kLasViewUser, kLasViewRecord, view_statement(content_.cloud.view));
+    std::uint32_t count = 1;
+    if (!descriptions.empty()) {
+      records += record(kLasSpecUser, kLasExtraBytesRecord, descriptions);
+      ++count;
+    }
+    std::string header(kHeaderBytes, '\0');
+    std::memcpy(header.data(), "LASF", 4);
+    put_number<std::uint16_t>(header, 6, 0x10);  // what formats from 6 on have: the reference system, if any, is WKT
+    put_number<std::uint8_t>(header, 24, 1);
+    put_number<std::uint8_t>(header, 25, 4);
+    std::memcpy(header.data() + 26, "segserve", 8);
+    std::memcpy(header.data() + 58, "segserve", 8);
+    put_number(header, 94, static_cast<std::uint16_t>(kHeaderBytes));
+    put_number(header, 96, static_cast<std::uint32_t>(kHeaderBytes + records.size()));
+    put_number(header, 100, count);
+    put_number(header, 104, static_cast<std::uint8_t>(format_));
+    put_number(header, 105, static_cast<std::uint16_t>(record_bytes_));
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      put_number(header, 131 + 8 * axis, axes_[axis].scale);
+      put_number(header, 155 + 8 * axis, axes_[axis].offset);
+      put_number(header, 179 + 16 * axis, axes_[axis].high);
+      put_number(header, 187 + 16 * axis, axes_[axis].low);
+    }
+    put_number(header, 247, std::uint64_t{points_.size()});
+    put_number(header, 255, returns());
+    out_.bytes = header + records + body_;
+  }
+
+  const FileContent& content_;
+  std::vector<std::uint32_t> points_;  // those that are written
+  std::array<LasAxis, 3> axes_;
+  unsigned format_ = 6;
+  std::size_t record_bytes_ = 0;
+  std::string body_;
+  EncodedFile out_;
+};
+
+}  // namespace
+
+absl::StatusOr<EncodedFile> encode_las(const FileContent& content) { return LasWriter(content).run(); }
+
+}  // namespace segserve::codec

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "segserve/cloud.hpp"
+#include "segserve/codec/attribute.hpp"
+#include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/warning.hpp"
+
+namespace segserve::codec {
+
+/// Who wrote a variable length record: the records of the specification, and segserve's own, whose payload is a
+/// view_statement.
+inline constexpr std::string_view kLasSpecUser = "LASF_Spec", kLasViewUser = "segserve";
+inline constexpr std::uint16_t kLasExtraBytesRecord = 4, kLasViewRecord = 1;
+/// Bytes of the header of a variable length record, and of the description of an extra dimension.
+inline constexpr std::size_t kLasRecordHeaderBytes = 54, kLasExtraDescriptionBytes = 192;
+
+/// Values that a file has for each point beyond those of its point format ("extra bytes").
+struct LasExtra {
+  std::string name;
+  ScalarType type = ScalarType::kUint8;
+  std::size_t count = 1;   ///< numbers for each point
+  std::size_t offset = 0;  ///< in the record
+  /// The numbers are scale * stored + shift, if the file says so.
+  std::optional<std::array<double, 3>> scale, shift;
+
+  bool is_scaled() const { return scale || shift; }
+};
+
+/// What the header and the variable length records of a LAS file say.
+struct LasHeader {
+  unsigned point_format = 0;
+  std::size_t record_bytes = 0;
+  std::size_t body_offset = 0;
+  std::size_t points = 0;  ///< that the file promises and holds
+  std::array<double, 3> scale{}, offset{};
+  std::vector<LasExtra> extra;
+  std::optional<View> stated_view;
+  bool is_from_segserve = false;
+  bool has_reference_system = false;
+  std::vector<Warning> warnings;
+};
+
+/// Whether a file begins as LAS and LAZ do.
+bool is_las(std::string_view file);
+
+/// Parses the header of a LAS file of version 1.0 to 1.4. INVALID_ARGUMENT names what is wrong, or that the file is
+/// LAZ. Warns of points that the file promises and does not hold, and of damaged variable length records.
+absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits);
+
+}  // namespace segserve::codec

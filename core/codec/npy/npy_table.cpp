@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/npy/npy_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "core/codec/common/limit_checks.hpp"
+#include "core/codec/common/text_parsing.hpp"
+#include "core/codec/common/unnamed_columns.hpp"
+#include "core/codec/view/view_choice.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using Names = std::array<const char*, 3>;
+constexpr Names kPosition{"x", "y", "z"}, kColor{"red", "green", "blue"};
+
+/// A float of 16 bits (IEEE 754 binary16).
+float half_value(std::uint16_t half) {
+  const int exponent = (half >> 10U) & 0x1F, mantissa = half & 0x3FF;
+  const float sign = (half & 0x8000U) != 0 ? -1.0F : 1.0F;
+  if (exponent == 0x1F) return sign * (mantissa == 0 ? std::numeric_limits<float>::infinity() : std::nanf(""));
+  if (exponent == 0) return sign * std::ldexp(static_cast<float>(mantissa), -24);
+  return sign * std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
+}
+
+/// The names of the columns of an array of this name with so many numbers for each point; null if it is one value.
+const Names* names_of_parts(std::string_view name, std::size_t count) {
+  constexpr std::array<std::string_view, 7> kPositions{"points", "xyz",    "pos",     "positions",
+                                                       "coord",  "coords", "vertices"};
+  constexpr std::array<std::string_view, 4> kColors{"colors", "color", "rgb", "rgba"};
+  if (count == 3 && std::ranges::find(kPositions, name) != kPositions.end()) return &kPosition;
+  if ((count == 3 || count == 4) && std::ranges::find(kColors, name) != kColors.end()) return &kColor;
+  return nullptr;
+}
+
+}  // namespace
+
+absl::Status NpyTable::set_shape(const NpyArray& array, std::size_t column_axes) {
+  const auto& shape = array.header().shape;
+  if (shape.size() < 1 + column_axes || shape.size() > 2 + column_axes) {
+    return absl::InvalidArgumentError(fmt::format(
+        "{}: its shape is {}; points have the shape (N, 3) or (H, W, 3), or (N) or (H, W) with named fields",
+        array.name(), shape_text(array.header())));
+  }
+  const bool is_organized = shape.size() == 2 + column_axes;
+  const std::uint64_t width = is_organized ? shape[1] : shape[0], height = is_organized ? shape[0] : 1;
+  RETURN_IF_ERROR(check_points(array.name() + ": ", saturating_product(width, height), limits_));
+  if (std::max(width, height) > kMaxPoints) {
+    return absl::InvalidArgumentError(fmt::format("{}: its shape is {}", array.name(), shape_text(array.header())));
+  }
+  width_ = static_cast<std::uint32_t>(width);
+  height_ = static_cast<std::uint32_t>(height);
+  return absl::OkStatus();
+}
+
+bool NpyTable::fits(const NpyArray& array) const {
+  const auto& shape = array.header().shape;
+  if (array.header().is_structured || shape.empty()) return false;
+  if (shape[0] == points()) return shape.size() <= 2;
+  return shape.size() >= 2 && shape.size() <= 3 && shape[0] == height_ && shape[1] == width_;
+}
+
+void NpyTable::add_column(std::string name, const NpyField& field, const std::byte* data, std::size_t stride,
+                          std::size_t count) {
+  names_.push_back(std::move(name));
+  const std::string& kept = names_.back();
+  if (field.kind == NpyKind::kOther) {
+    const bool is_padding = kept.empty();
+    if (is_padding) return;
+    warnings_.push_back({WarningReason::kAttributeNotKept,
+                         fmt::format("the values of {} are not kept, because they are no numbers", quoted(kept))});
+    return;
+  }
+  if (field.kind == NpyKind::kNumber) {
+    fields_.push_back({kept, field.type, count});
+    columns_.push_back({data, stride, field.type, field.order});
+    return;
+  }
+  std::vector<float>& values = halves_.emplace_back(points() * count);
+  check_.for_each(0, points(), [&](std::size_t i) {
+    for (std::size_t k = 0; k < count; ++k) {
+      values[i * count + k] = half_value(load<std::uint16_t>(data + i * stride + 2 * k, field.order));
+    }
+  });
+  fields_.push_back({kept, ScalarType::kFloat32, count});
+  columns_.push_back({reinterpret_cast<const std::byte*>(values.data()), count * sizeof(float), ScalarType::kFloat32});
+}
+
+void NpyTable::add_fields(const NpyArray& array) {
+  const std::size_t stride = array.header().element_bytes;
+  for (const NpyField& field : array.header().fields) {
+    if (const auto view = codec::stated_view(field.title)) stated_view_ = view;
+    const std::byte* const data = array.data() + field.offset;
+    if (const Names* const parts = names_of_parts(field.name, field.count)) {
+      for (std::size_t k = 0; k < 3; ++k) add_column((*parts)[k], field, data + k * field.bytes, stride, 1);
+    } else if (field.count > 0) {
+      add_column(field.name == "labels" ? "label" : field.name, field, data, stride, field.count);
+    }
+  }
+}
+
+absl::Status NpyTable::add_unnamed(const NpyArray& array) {
+  constexpr std::uint64_t kMostColumns = 64;
+  const NpyHeader& header = array.header();
+  const std::uint64_t count = header.shape.back();
+  if (count < 3 || count > kMostColumns) {
+    return absl::InvalidArgumentError(
+        fmt::format("{}: its shape is {}; the last axis must have 3 to {} entries, x, y "
+                    "and z first",
+                    array.name(), shape_text(header), kMostColumns));
+  }
+  const NpyField& field = header.fields[0];
+  if (field.kind == NpyKind::kOther) {
+    return absl::InvalidArgumentError(fmt::format("{}: its elements are no numbers", array.name()));
+  }
+  const std::size_t first = columns_.size(), stride = static_cast<std::size_t>(count) * field.bytes;
+  for (std::size_t k = 0; k < count; ++k) add_column("", field, array.data() + k * field.bytes, stride, 1);
+  const std::vector<Column> added(columns_.begin() + static_cast<std::ptrdiff_t>(first), columns_.end());
+  const std::vector<std::string> names = name_columns(added, points(), check_, warnings_);
+  for (std::size_t k = 0; k < count; ++k) {
+    names_.push_back(names[k]);
+    fields_[first + k].name = names_.back();
+  }
+  return absl::OkStatus();
+}
+
+void NpyTable::add_named(const NpyArray& array, const std::string& name) {
+  const NpyField& field = array.header().fields[0];
+  std::size_t total = 1;
+  if (points() > 0) total = static_cast<std::size_t>(array.header().elements()) / points();
+  if (const Names* const parts = names_of_parts(name, total)) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      add_column((*parts)[k], field, array.data() + k * field.bytes, total * field.bytes, 1);
+    }
+  } else if (total > 0) {
+    add_column(name == "labels" ? "label" : name, field, array.data(), total * field.bytes, total);
+  }
+}
+
+absl::StatusOr<PointTable> NpyTable::finish() {
+  PointTable table;
+  table.fields = fields_;
+  auto roles = find_field_roles(table.fields, warnings_);
+  if (!roles.ok()) {
+    std::vector<std::string> names;
+    for (const Field& field : fields_) names.push_back(quoted(field.name));
+    return absl::InvalidArgumentError(
+        fmt::format("{}; its fields are {}", message_of(roles.status()), fmt::join(names, ", ")));
+  }
+  table.roles = *std::move(roles);
+  table.width = width_;
+  table.height = height_;
+  table.column = [this](std::size_t i) { return columns_[i]; };
+  return table;
+}
+
+}  // namespace segserve::codec

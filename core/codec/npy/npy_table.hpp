@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/base/stop_check.hpp"
+#include "core/codec/common/point_columns.hpp"
+#include "core/codec/npy/npy_array.hpp"
+#include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/warning.hpp"
+
+namespace segserve::codec {
+
+/// Collects the columns of a cloud from arrays, which must outlive it.
+class NpyTable {
+ public:
+  NpyTable(const DecodeLimits& limits, StopCheck& check, std::vector<Warning>& warnings)
+      : limits_(limits), check_(check), warnings_(warnings) {}
+  NpyTable(const NpyTable&) = delete;
+  NpyTable& operator=(const NpyTable&) = delete;
+  ~NpyTable() = default;
+
+  /// Takes the shape of the points: all axes of the array but the last `column_axes`.
+  absl::Status set_shape(const NpyArray& array, std::size_t column_axes);
+  /// Whether an array has a value, or values, for each point.
+  bool fits(const NpyArray& array) const;
+  std::size_t points() const { return std::size_t{width_} * height_; }
+
+  /// Adds the fields of a structured array.
+  void add_fields(const NpyArray& array);
+  /// Adds the columns of an array of shape (.., C), and gives them names by their values.
+  absl::Status add_unnamed(const NpyArray& array);
+  /// Adds an array of shape (..) or (.., C) under a name.
+  void add_named(const NpyArray& array, const std::string& name);
+
+  /// The table, with the roles that the names tell. It refers to this object.
+  absl::StatusOr<PointTable> finish();
+  const std::optional<View>& stated_view() const { return stated_view_; }
+
+ private:
+  void add_column(std::string name, const NpyField& field, const std::byte* data, std::size_t stride,
+                  std::size_t count);
+
+  const DecodeLimits& limits_;
+  StopCheck& check_;
+  std::vector<Warning>& warnings_;
+  std::uint32_t width_ = 0, height_ = 1;
+  std::deque<std::string> names_;
+  std::vector<Field> fields_;
+  std::vector<Column> columns_;
+  std::deque<std::vector<float>> halves_;
+  std::optional<View> stated_view_;
+};
+
+}  // namespace segserve::codec

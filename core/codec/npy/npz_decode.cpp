@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <deque>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/status_macros.hpp"
+#include "core/base/stop_check.hpp"
+#include "core/codec/common/limit_checks.hpp"
+#include "core/codec/common/text_parsing.hpp"
+#include "core/codec/common/zip_archive.hpp"
+#include "core/codec/npy/npy.hpp"
+#include "core/codec/npy/npy_array.hpp"
+#include "core/codec/npy/npy_points.hpp"
+#include "core/codec/npy/npy_table.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using std::string_view_literals::operator""sv;
+
+/// The arrays of an archive, and the bytes that they lie in.
+struct Archive {
+  std::deque<std::vector<std::byte>> bytes;
+  std::vector<NpyArray> arrays;
+
+  const NpyArray* find(std::string_view name) const {
+    const auto found = std::ranges::find(arrays, name, &NpyArray::name);
+    return found == arrays.end() ? nullptr : &*found;
+  }
+  std::string names() const {
+    std::vector<std::string> all;
+    for (const NpyArray& array : arrays) all.push_back(quoted(array.name()));
+    return fmt::format("{}", fmt::join(all, ", "));
+  }
+};
+
+absl::StatusOr<Archive> open_archive(std::span<const std::byte> file, const DecodeLimits& limits, StopCheck& check,
+                                     std::vector<Warning>& warnings) {
+  constexpr std::string_view kExtension = ".npy";
+  ASSIGN_OR_RETURN(const auto members, list_zip(file, limits));
+  Archive archive;
+  for (const ZipMember& member : members) {
+    std::string_view name = member.name;
+    if (!name.ends_with(kExtension)) {
+      warnings.push_back({WarningReason::kAttributeNotKept,
+                          fmt::format("{} in the archive is no array of NumPy, and not used", quoted(name))});
+      continue;
+    }
+    name.remove_suffix(kExtension.size());
+    ASSIGN_OR_RETURN(auto bytes, read_zip_member(file, member, check));
+    archive.bytes.push_back(std::move(bytes));
+    ASSIGN_OR_RETURN(auto array, NpyArray::open(archive.bytes.back(), std::string(name), check));
+    archive.arrays.push_back(std::move(array));
+  }
+  return archive;
+}
+
+/// Adds the positions of the points, and returns the names of the arrays that have them.
+absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTable& points) {
+  for (const std::string_view name :
+       {"points"sv, "xyz"sv, "pos"sv, "positions"sv, "coord"sv, "coords"sv, "vertices"sv}) {
+    const NpyArray* const array = archive.find(name);
+    if (array == nullptr || array->header().is_structured) continue;
+    RETURN_IF_ERROR(points.set_shape(*array, 1));
+    RETURN_IF_ERROR(points.add_unnamed(*array));
+    return std::set<std::string>{array->name()};
+  }
+  const std::array<const NpyArray*, 3> axes{archive.find("x"), archive.find("y"), archive.find("z")};
+  if (std::ranges::count(axes, nullptr) > 0) {
+    return absl::InvalidArgumentError(
+        fmt::format("NPZ archive: there must be an array 'points' or 'xyz', or arrays 'x', 'y' and 'z'; it has {}",
+                    archive.arrays.empty() ? "none" : archive.names()));
+  }
+  RETURN_IF_ERROR(points.set_shape(*axes[0], 0));
+  for (const NpyArray* const axis : axes) {
+    if (!points.fits(*axis) || axis->header().elements() != points.points()) {
+      return absl::InvalidArgumentError(
+          fmt::format("NPZ archive: {} has another shape than 'x'", quoted(axis->name())));
+    }
+    points.add_named(*axis, axis->name());
+  }
+  return std::set<std::string>{"x", "y", "z"};
+}
+
+void add_others(const Archive& archive, const std::set<std::string>& used, NpyTable& points,
+                std::vector<Warning>& warnings) {
+  constexpr std::uint64_t kMostNumbers = 4096;
+  for (const NpyArray& array : archive.arrays) {
+    if (used.contains(array.name())) continue;
+    const bool is_wide = points.points() > 0 && array.header().elements() / points.points() > kMostNumbers;
+    if (points.fits(array) && !is_wide) {
+      points.add_named(array, array.name());
+    } else {
+      warnings.push_back({WarningReason::kAttributeNotKept,
+                          fmt::format("the array {} of shape {} is not kept, because it has no value for each point",
+                                      quoted(array.name()), shape_text(array.header()))});
+    }
+  }
+}
+
+}  // namespace
+
+bool is_npz(std::string_view file) { return file.starts_with("PK\3\4"sv) || file.starts_with("PK\5\6"sv); }
+
+absl::StatusOr<LabeledCloud> decode_npz(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                        const ReadOptions& options, const StopToken& stop) {
+  RETURN_IF_ERROR(check_bytes("NPZ archive: ", bytes.size(), limits));
+  StopCheck check(stop);
+  std::vector<Warning> warnings;
+  ASSIGN_OR_RETURN(const Archive archive, open_archive(bytes, limits, check, warnings));
+  if (archive.arrays.size() == 1) return read_array(archive.arrays[0], warnings, limits, options, stop);
+  NpyTable points(limits, check, warnings);
+  ASSIGN_OR_RETURN(const auto used, add_position(archive, points));
+  add_others(archive, used, points, warnings);
+  RETURN_IF_ERROR(check.status());
+  return read_table(points, warnings, options, stop);
+}
+
+}  // namespace segserve::codec

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/status_macros.hpp"
+#include "core/base/stop_check.hpp"
+#include "core/codec/common/limit_checks.hpp"
+#include "core/codec/common/point_columns.hpp"
+#include "core/codec/common/text_parsing.hpp"
+#include "core/codec/obj/obj.hpp"
+
+namespace segserve::codec {
+namespace {
+
+constexpr std::string_view kPrefix = "OBJ file: ";
+
+template <typename... Args>
+absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
+  return absl::InvalidArgumentError(std::string(kPrefix) + fmt::format(format, std::forward<Args>(args)...));
+}
+
+constexpr std::array<std::string_view, 30> kKeywords{
+    "v",    "vn",    "vt",     "vp",     "f",      "fo",     "l",      "p",   "o",    "g",
+    "s",    "mg",    "usemtl", "mtllib", "usemap", "maplib", "cstype", "deg", "bmat", "step",
+    "curv", "curv2", "surf",   "parm",   "trim",   "hole",   "scrv",   "sp",  "end",  "con"};
+
+bool is_keyword(std::string_view word) { return std::ranges::find(kKeywords, word) != kKeywords.end(); }
+
+bool parse_double(std::string_view word, double& value) {
+  return parse_scalar(word, ScalarType::kFloat64, reinterpret_cast<std::byte*>(&value));
+}
+
+/// The vertices of a file: six numbers each, with color 0 if they have none.
+class Vertices {
+ public:
+  static constexpr std::size_t kNumbers = 6;
+
+  absl::Status read(std::string_view file, const DecodeLimits& limits, StopCheck& check) {
+    LineReader lines(file);
+    while (const auto line = lines.next()) {
+      if (check.after(1)) return check.status();
+      std::string_view rest = line->text;
+      const std::string_view keyword = take_word(rest);
+      if (keyword.empty() || keyword.starts_with('#') || is_continued_) {
+      } else if (keyword == "v") {
+        RETURN_IF_ERROR(add_vertex(line->number, rest));
+        RETURN_IF_ERROR(check_points(kPrefix, size(), limits));
+        RETURN_IF_ERROR(check_decoded_points(kPrefix, size(), kNumbers * sizeof(double), limits));
+      } else if (!is_keyword(keyword)) {
+        ++strange_;
+        if (first_strange_.empty()) first_strange_ = fmt::format("line {}: {}", line->number, quoted(line->text));
+      }
+      is_continued_ = line->text.ends_with('\\');
+    }
+    return absl::OkStatus();
+  }
+
+  std::size_t size() const { return values_.size() / kNumbers; }
+  bool has_color() const { return size() > 0 && colored_ == size(); }
+  Column column(std::size_t i) const {
+    return {reinterpret_cast<const std::byte*>(values_.data() + i), kNumbers * sizeof(double), ScalarType::kFloat64};
+  }
+
+  void warn(std::vector<Warning>& warnings) const {
+    if (strange_ > 0) {
+      warnings.push_back({WarningReason::kRowsNotUsed,
+                          fmt::format("{} lines are of no kind that OBJ has, and not used; the first is {}", strange_,
+                                      first_strange_)});
+    }
+    if (colored_ > 0 && colored_ < size()) {
+      warnings.push_back({WarningReason::kColorNotUsed,
+                          fmt::format("the cloud has no color: only {} of {} vertices have", colored_, size())});
+    }
+  }
+
+ private:
+  absl::Status add_vertex(std::size_t line, std::string_view words) {
+    std::array<double, kNumbers> numbers{};
+    std::size_t count = 0;
+    for (std::string_view word = take_word(words); !word.empty(); word = take_word(words), ++count) {
+      if (count == kNumbers) return fault("line {}: a vertex has at most {} numbers", line, kNumbers);
+      if (!parse_double(word, numbers[count])) {
+        return fault("line {}: {} is not a number of a vertex", line, quoted(word));
+      }
+    }
+    if (count < 3 || count == 5) return fault("line {}: a vertex has 3, 4 or 6 numbers, not {}", line, count);
+    if (count == 4) numbers[3] = 0;  // the weight of a curve's point
+    if (count == kNumbers) ++colored_;
+    values_.insert(values_.end(), numbers.begin(), numbers.end());
+    return absl::OkStatus();
+  }
+
+  std::vector<double> values_;
+  std::size_t colored_ = 0, strange_ = 0;
+  std::string first_strange_;
+  bool is_continued_ = false;  // the last line ends in a backslash
+};
+
+}  // namespace
+
+bool is_obj(std::string_view file) {
+  constexpr std::size_t kEnough = std::size_t{1} << 16U;
+  LineReader lines(without_byte_order_mark(file.substr(0, kEnough)));
+  while (const auto line = lines.next()) {
+    std::string_view rest = line->text;
+    const std::string_view keyword = take_word(rest);
+    if (keyword.empty() || keyword.starts_with('#')) continue;
+    if (keyword.starts_with('v') && is_keyword(keyword)) {
+      double number = 0;
+      return parse_double(take_word(rest), number);
+    }
+    constexpr std::array<std::string_view, 6> kNaming{"o", "g", "s", "mtllib", "usemtl", "maplib"};
+    return std::ranges::find(kNaming, keyword) != kNaming.end();
+  }
+  return false;
+}
+
+absl::StatusOr<LabeledCloud> decode_obj(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                        const ReadOptions& options, const StopToken& stop) {
+  RETURN_IF_ERROR(check_bytes(kPrefix, bytes.size(), limits));
+  StopCheck check(stop);
+  Vertices vertices;
+  RETURN_IF_ERROR(vertices.read(without_byte_order_mark(as_text(bytes)), limits, check));
+  LabeledCloud out;
+  vertices.warn(out.warnings);
+  PointTable table;
+  for (const std::string_view name : {"x", "y", "z"}) table.fields.push_back({name, ScalarType::kFloat64});
+  table.roles.position = {0, 1, 2};
+  if (vertices.has_color()) {
+    for (const std::string_view name : {"red", "green", "blue"}) table.fields.push_back({name, ScalarType::kFloat64});
+    table.roles.channels = {3, 4, 5};
+  }
+  table.width = static_cast<std::uint32_t>(vertices.size());
+  table.height = 1;
+  table.column = [&vertices](std::size_t i) { return vertices.column(i); };
+  RETURN_IF_ERROR(read_points(table, {}, options, stop, out));
+  return out;
+}
+
+}  // namespace segserve::codec

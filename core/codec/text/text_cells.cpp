@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/text/text_cells.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "core/codec/common/text_parsing.hpp"
+
+namespace segserve::codec {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kSpace = " \t\r";
+  const std::size_t begin = text.find_first_not_of(kSpace);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kSpace) - begin + 1);
+}
+
+/// Where the cell at the beginning of `text` ends, so that a separator within quotation marks does not count.
+std::size_t cell_end(std::string_view text, char separator) {
+  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  std::size_t from = begin;
+  if (text.substr(begin).starts_with('"')) {
+    const std::size_t quote = text.find('"', begin + 1);
+    from = quote == std::string_view::npos ? text.size() : quote;
+  }
+  return std::min(text.find(separator, from), text.size());
+}
+
+std::string_view without_quotes(std::string_view cell) {
+  const bool is_quoted = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"';
+  return is_quoted ? trimmed(cell.substr(1, cell.size() - 2)) : cell;
+}
+
+}  // namespace
+
+std::optional<double> parse_number(std::string_view word) {
+  double value = 0;
+  if (!parse_scalar(word, ScalarType::kFloat64, reinterpret_cast<std::byte*>(&value))) return std::nullopt;
+  return value;
+}
+
+bool has_decimal_comma(std::string_view word) {
+  constexpr std::size_t kLongest = 64;
+  if (word.size() > kLongest || word.ends_with(',') || std::ranges::count(word, ',') != 1) return false;
+  std::string with_point(word);
+  std::ranges::replace(with_point, ',', '.');
+  return parse_number(with_point).has_value();
+}
+
+Separator separator_of(std::string_view line) {
+  if (line.find(';') != std::string_view::npos) return Separator::kSemicolon;
+  if (line.find(',') == std::string_view::npos) return Separator::kSpace;
+  std::string_view rest = line;
+  for (int i = 0; i < 3; ++i) {
+    const std::string_view word = take_word(rest);
+    if (!has_decimal_comma(word) && (word.empty() || word.find(',') != std::string_view::npos))
+      return Separator::kComma;
+  }
+  return Separator::kSpace;
+}
+
+std::optional<std::string_view> CellReader::next() {
+  if (separator_ == Separator::kSpace) {
+    const std::string_view word = take_word(rest_);
+    if (word.empty()) return std::nullopt;
+    return without_quotes(word);
+  }
+  if (is_blank(rest_)) return std::nullopt;
+  const std::size_t end = cell_end(rest_, separator_ == Separator::kComma ? ',' : ';');
+  const std::string_view cell = trimmed(rest_.substr(0, end));
+  rest_.remove_prefix(std::min(end + 1, rest_.size()));
+  return without_quotes(cell);
+}
+
+std::vector<std::string_view> split_cells(std::string_view line, Separator separator) {
+  std::vector<std::string_view> cells;
+  CellReader reader(line, separator);
+  while (const auto cell = reader.next()) cells.push_back(*cell);
+  return cells;
+}
+
+}  // namespace segserve::codec

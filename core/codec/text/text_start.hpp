@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/codec/text/text_cells.hpp"
+#include "segserve/cloud.hpp"
+
+namespace segserve::codec {
+
+/// What stands above the rows of a table.
+struct TextStart {
+  std::vector<std::string> names;      ///< of the columns; empty if there are none
+  std::optional<std::uint64_t> count;  ///< of the rows, as PTS has it
+  std::optional<View> stated_view;
+  Separator separator = Separator::kSpace;
+  std::size_t columns = 0;
+  std::size_t offset = 0;  ///< of the first row
+  std::size_t line = 1;    ///< of the first row
+};
+
+/// The comment in a line without its mark; nullopt if the line is none.
+std::optional<std::string_view> text_comment(std::string_view line);
+
+/// Whether x, y and z are among the names, in any case.
+bool names_position(const std::vector<std::string_view>& names);
+
+/// Finds the first row. INVALID_ARGUMENT if there is none, or if the lines above it are none of those of a table.
+absl::StatusOr<TextStart> find_text_start(std::string_view file);
+
+}  // namespace segserve::codec

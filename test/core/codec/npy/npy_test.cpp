@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/npy/npy.hpp"
+
+#include <atomic>
+
+#include "segserve/codec/cloud_file.hpp"
+#include "test/core/codec/support/damaged_bytes.hpp"
+#include "test/core/codec/support/npy_file.hpp"
+#include "test/core/codec/support/sample_cloud.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+LabeledCloud read(const std::string& file) {
+  auto cloud = decode_cloud(bytes_of(file), {}, {.keep_everything = true});
+  EXPECT_TRUE(cloud.ok()) << cloud.status();
+  return cloud.ok() ? *std::move(cloud) : LabeledCloud{};
+}
+
+TEST(Npy, EveryTypeOfNumbersIsRead) {
+  EXPECT_THAT(read(npy_file("'<f4'", "(2, 3)", raw<float>({1, 2, 3, 4, 5, 6}))).cloud.z, ElementsAre(3, 6));
+  EXPECT_THAT(read(npy_file("'<f8'", "(2, 3)", raw<double>({1, 2, 3, 4, 5, 6}))).cloud.z, ElementsAre(3, 6));
+  EXPECT_THAT(read(npy_file("'<i2'", "(2, 3)", raw<std::int16_t>({1, 2, -3, 4, 5, 6}))).cloud.z, ElementsAre(-3, 6));
+  EXPECT_THAT(read(npy_file("'|u1'", "(2, 3)", raw<std::uint8_t>({1, 2, 3, 4, 5, 6}))).cloud.z, ElementsAre(3, 6));
+  EXPECT_THAT(read(npy_file("'>i4'", "(1, 3)", std::string("\0\0\0\1\0\0\0\2\0\0\0\3", 12))).cloud.z, ElementsAre(3));
+  EXPECT_THAT(read(npy_file("'<f2'", "(1, 3)", raw<std::uint16_t>({0x3C00, 0xC100, 0x0001}))).cloud.y,
+              ElementsAre(-2.5F));
+  EXPECT_THAT(read(npy_file("'<i8'", "(1L, 3L)", raw<std::int64_t>({1, 2, 3}))).cloud.x, ElementsAre(1));
+}
+
+TEST(Npy, ColumnsAndShapesHaveMeaning) {
+  const LabeledCloud color = read(npy_file("'<f4'", "(1, 6)", raw<float>({1, 2, 3, 255, 128, 0})));
+  EXPECT_THAT(color.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0)));
+  std::vector<float> image;
+  for (int i = 0; i < 6; ++i) image.insert(image.end(), {static_cast<float>(i), 0, 1});
+  const LabeledCloud organized = read(npy_file("'<f4'", "(2, 3, 3)", raw(image)));
+  EXPECT_EQ(organized.cloud.width, 3U);
+  EXPECT_EQ(organized.cloud.height, 2U);
+  EXPECT_THAT(organized.cloud.x, ElementsAre(0, 1, 2, 3, 4, 5));
+  const LabeledCloud fortran = read(npy_file("'<f4'", "(2, 3)", raw<float>({1, 4, 2, 5, 3, 6}), true));
+  EXPECT_THAT(fortran.cloud.x, ElementsAre(1, 4));
+  EXPECT_THAT(fortran.cloud.z, ElementsAre(3, 6));
+  EXPECT_EQ(read(npy_file("'<f4'", "(0, 3)", "")).cloud.size(), 0U);
+}
+
+TEST(Npy, NamedFieldsAreRead) {
+  const std::string type =
+      "[(('segserve view world 1 2 3', 'x'), '<f8'), ('y', '<f4'), ('z', '>f4'), ('', '|V2'), ('rgb', '|u1', (3,)), "
+      "('label', '<u4'), ('name', '<U2'), ('normal', '<f4', (3,))]";
+  std::string element = raw<double>({0.5}) + raw<float>({2}) + std::string("\x40\x40\0\0", 4) + "__" + "\xff\x80" +
+                        std::string(1, '\0') + raw<std::uint32_t>({7}) + std::string(8, 'a') + raw<float>({0, 0, 1});
+  const LabeledCloud cloud = read(npy_file(type, "(1,)", element));
+  EXPECT_THAT(cloud.cloud.x, ElementsAre(0.5F));
+  EXPECT_THAT(cloud.cloud.z, ElementsAre(3));
+  EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0)));
+  EXPECT_THAT(cloud.label, ElementsAre(7));
+  EXPECT_EQ(cloud.cloud.view, View::world(1, 2, 3));
+  ASSERT_EQ(cloud.warnings.size(), 1U);
+  EXPECT_THAT(cloud.warnings[0].message, HasSubstr("'name' are not kept, because they are no numbers"));
+  ASSERT_EQ(cloud.attributes.size(), 2U);
+  EXPECT_EQ(cloud.attributes[1].name, "normal");
+  EXPECT_EQ(cloud.attributes[1].count, 3U);
+}
+
+TEST(Npy, EachFaultIsNamed) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {npy_file("'|O'", "(2, 3)", "x"), "its elements are Python objects"},
+      {npy_file("'<c8'", "(1, 3)", std::string(24, '\0')), "its elements are no numbers"},
+      {npy_file("'<f4'", "(3,)", std::string(12, '\0')), "its shape is (3); points have the shape (N, 3)"},
+      {npy_file("'<f4'", "(6, 2)", std::string(48, '\0')), "its shape is (6, 2); the last axis must have 3 to 64"},
+      {npy_file("'<f4'", "(4, 3)", std::string(47, '\0')), "its shape (4, 3) needs 48 bytes, but there are 47"},
+      {npy_file("'<f4'", "(4611686018427387904, 3)", ""), "but there are 0"},
+      {npy_file("[('a', '<f4'), ('y', '<f4')]", "(1,)", std::string(8, '\0')),
+       "x, y and z must be there; its fields are"},
+      {npy_file("[('x', [('y', '<f4')])]", "(1,)", ""), "has fields of its own"},
+      {npy_file("'f4'", "(1, 3)", ""), "'f4' is no type of NumPy"},
+      {npy_file("'<f4'", "3", ""), "its header lacks"},
+      {npy_file("eval()", "(1, 3)", ""), "its header is not a dictionary of Python"},
+      {std::string("\x93NUMPY\4\0xxxx", 12), "version 4 is not known"},
+  };
+  for (const auto& [file, words] : cases) expect_fault(decode_cloud(bytes_of(file), {}).status(), words);
+  const std::string file = npy_file("'|u1'", "(4, 3)", std::string(12, '\1'));
+  expect_over_limit(decode_cloud(bytes_of(file), {.max_points = 3}).status(), "max_points", "4 points exceed");
+}
+
+TEST(Npy, DamageDoesNoHarm) {
+  const auto decode = [](const std::string& bytes) -> absl::StatusOr<Cloud> {
+    auto cloud = decode_cloud(bytes_of(bytes), kDamageLimits, {.keep_everything = true});
+    if (!cloud.ok()) return cloud.status();
+    return cloud->cloud;
+  };
+  for (const std::string& file :
+       {npy_file("[('x', '<f4'), ('y', '<f4'), ('z', '<f2'), ('rgb', '|u1', (3,)), ('label', '<u4')]", "(2, 2)",
+                 std::string(68, '\1')),
+        npy_file("'<f4'", "(2, 3)", std::string(24, '\1'), true)}) {
+    expect_truncations_refused(file, decode);
+    expect_flips_survived(file, decode);
+  }
+}
+
+TEST(Npy, AStopIsHeard) {
+  for (const bool fortran : {false, true}) {
+    const std::string file = npy_file("'<f4'", "(200000, 3)", std::string(2'400'000, '\0'), fortran);
+    const std::atomic<bool> cancelled = true;
+    WorkMeter meter;
+    const StopToken stop(&cancelled, std::nullopt, &meter);
+    EXPECT_EQ(decode_npy(bytes_of(file), {}, {}, stop).status().code(), absl::StatusCode::kCancelled);
+    EXPECT_LE(meter.units(), StopToken::kMostWorkAfterStop);
+  }
+}
+
+}  // namespace
+}  // namespace segserve::codec
