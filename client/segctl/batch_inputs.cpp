@@ -2,7 +2,6 @@
 #include "client/segctl/batch_inputs.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -14,6 +13,7 @@
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
+#include "segserve/codec/cloud_file.hpp"
 
 namespace segserve::segctl {
 namespace {
@@ -22,10 +22,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 bool is_cloud_file(const fs::directory_entry& entry) {
-  std::string extension = entry.path().extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
   std::error_code error;
-  return entry.is_regular_file(error) && (extension == ".pcd" || extension == ".ply");
+  return entry.is_regular_file(error) && codec::is_cloud_file(entry.path().string());
 }
 
 absl::Status append_cloud_files(const std::string& folder, std::vector<std::string>& files) {
@@ -53,7 +51,7 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
       return absl::NotFoundError(fmt::format("there is no {}", path));
     }
   }
-  if (files.empty()) return absl::InvalidArgumentError("there is no PCD or PLY file in what was given");
+  if (files.empty()) return absl::InvalidArgumentError("there is no file of a cloud in what was given");
   std::set<fs::path> seen;
   std::erase_if(files, [&](const auto& file) { return !seen.insert(fs::absolute(file).lexically_normal()).second; });
   return files;

@@ -18,9 +18,9 @@ struct BatchInput {
   std::string summary_path;  ///< DIR/NAME.json: written last, so that it stands for a complete output.
 };
 
-/// The given files, and the PCD and PLY files in the given folders (not in folders within them), sorted by name within
-/// each folder. A file that is given twice is taken once. INVALID_ARGUMENT if there is none, or if an output would
-/// overwrite a file or another output; NOT_FOUND for a path that does not exist.
+/// The given files, and the files of clouds (codec::is_cloud_file) in the given folders (not in folders within them),
+/// sorted by name within each folder. A file that is given twice is taken once. INVALID_ARGUMENT if there is none, or
+/// if an output would overwrite a file or another output; NOT_FOUND for a path that does not exist.
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths, const std::string& out_dir);
 
 /// The counts in the summary of an earlier run.

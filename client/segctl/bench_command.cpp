@@ -132,7 +132,7 @@ void BenchArguments::add_frame_flags(CLI::App& app) {
   const std::string group = "Frames";
   CLI::Option* input_flag =
       app.add_option("--input", inputs,
-                     "PCD or PLY files, or one recording (MCAP or ROS 1 bag); default: synthetic scenes")
+                     "files of clouds, or one recording (MCAP or ROS 1 bag); default: synthetic scenes")
           ->type_name("FILES")
           ->group(group);
   recording.add_to(app);

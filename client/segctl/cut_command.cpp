@@ -152,7 +152,7 @@ absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, Staged
   client::Result& result = saved.result;
   ASSIGN_OR_RETURN(const auto scene, codec::load_cloud(arguments.cloud_path, read_options(result)));
   RETURN_IF_ERROR(check_cloud(arguments, saved, scene.cloud));
-  arguments.scene_output.add(output, scene, result.segmentation.labels);
+  RETURN_IF_ERROR(arguments.scene_output.add(output, scene, result.segmentation.labels));
   RETURN_IF_ERROR(arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output));
   if (!arguments.segments) return absl::OkStatus();
   RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), result.segmentation));

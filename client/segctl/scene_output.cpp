@@ -2,28 +2,26 @@
 #include "client/segctl/scene_output.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <filesystem>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "client/segctl/messages.hpp"
 #include "client/segctl/point_subset.hpp"
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/lab/picture/picture.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/pcd.hpp"
-#include "segserve/codec/ply.hpp"
 
 namespace segserve::segctl {
 namespace {
 
-std::string lower_extension(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
-  return extension;
+/// The format of the cloud that is written to a path; "-" is PCD.
+std::optional<codec::FileFormat> format_of(const std::string& path) {
+  return path == "-" ? codec::FileFormat::kPcd : codec::file_format_of(path);
 }
-
-bool has_ply_name(const std::string& path) { return lower_extension(path) == ".ply"; }
 
 codec::PcdEncoding pcd_encoding(const std::string& name) {
   if (name == "ascii") return codec::PcdEncoding::kAscii;
@@ -56,12 +54,14 @@ void add_picture(StagedOutput& output, const std::string& path, const CloudView&
 }  // namespace
 
 void SceneOutput::add_to(CLI::App& app) {
-  app.add_option("-o,--output", cloud_path_,
-                 "write the cloud with its labels (field \"label\"): .pcd or .ply; - is PCD to standard output; of a "
-                 "recording .mcap, with the other topics as they were")
+  app.add_option(
+         "-o,--output", cloud_path_,
+         "write the cloud with its labels (field \"label\", in LAS \"segment\"): " + codec::writable_extensions() +
+             "; - is PCD to standard output; of a recording .mcap, with the other topics as they were")
       ->type_name("FILE")
       ->group("Output");
-  app.add_option("--encoding", encoding_, "encoding of that file; binary_compressed is for PCD only")
+  app.add_option("--encoding", encoding_,
+                 "encoding of that file, if it is PCD or PLY; binary_compressed is for PCD only")
       ->check(CLI::IsMember({"ascii", "binary", "binary_compressed"}))
       ->type_name("NAME")
       ->capture_default_str()
@@ -83,22 +83,38 @@ void SceneOutput::add_to(CLI::App& app) {
 }
 
 absl::Status SceneOutput::announce(StagedOutput& output) const {
-  if (!cloud_path_.empty()) {
-    if (cloud_path_ != "-" && !has_ply_name(cloud_path_) && lower_extension(cloud_path_) != ".pcd") {
-      return absl::InvalidArgumentError(fmt::format("-o {}: the name must end in .pcd or .ply", cloud_path_));
-    }
-    if (has_ply_name(cloud_path_) && encoding_ == "binary_compressed") {
-      return absl::InvalidArgumentError("--encoding binary_compressed: PLY has ascii and binary only");
-    }
-  }
+  if (!cloud_path_.empty()) RETURN_IF_ERROR(check_format());
   for (const std::string& path : {cloud_path_, picture_path_, plain_picture_path_}) {
     if (!path.empty()) RETURN_IF_ERROR(output.announce(path));
   }
   return absl::OkStatus();
 }
 
-std::string SceneOutput::encode(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
-                                Format format) const {
+absl::Status SceneOutput::check_format() const {
+  using codec::FileFormat;
+  const auto format = format_of(cloud_path_);
+  if (!format) {
+    return absl::InvalidArgumentError(
+        fmt::format("-o {}: the name must end in {}", cloud_path_, codec::writable_extensions()));
+  }
+  if (encoding_ == "binary_compressed" && format != FileFormat::kPcd) {
+    return absl::InvalidArgumentError(fmt::format("--encoding binary_compressed is for PCD, not for {}", cloud_path_));
+  }
+  const bool is_binary = format == FileFormat::kLas || format == FileFormat::kNpy ||
+                         format == FileFormat::kKittiLabel || format == FileFormat::kGlb;
+  if (encoding_ == "ascii" && is_binary) {
+    return absl::InvalidArgumentError(fmt::format("--encoding ascii: {} has no text form; .csv has", cloud_path_));
+  }
+  if (drop_unlabelled_ && codec::has_labels_only(*format)) {
+    return absl::InvalidArgumentError(
+        fmt::format("--drop-unlabelled: {} needs a label for each point of the input", cloud_path_));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<codec::EncodedFile> SceneOutput::encode(const codec::LabeledCloud& scene,
+                                                       std::span<const std::uint32_t> labels,
+                                                       codec::FileFormat format) const {
   codec::LabeledCloud kept;
   if (drop_unlabelled_) kept = labeled_points(scene, labels);
   codec::FileContent content =
@@ -108,22 +124,30 @@ std::string SceneOutput::encode(const codec::LabeledCloud& scene, std::span<cons
     colors = segment_colors(content.label);
     content.cloud.rgb = colors;
   }
-  if (format == Format::kPcd) return codec::encode_pcd(content, pcd_encoding(encoding_));
-  const bool ascii = encoding_ == "ascii";
-  return codec::encode_ply(content, ascii ? codec::PlyEncoding::kAscii : codec::PlyEncoding::kBinaryLittleEndian);
+  if (format == codec::FileFormat::kPcd) {
+    return codec::EncodedFile{codec::encode_pcd(content, pcd_encoding(encoding_)), {}};
+  }
+  const auto encoding = encoding_ == "ascii" ? codec::FileEncoding::kText : codec::FileEncoding::kBinary;
+  return codec::encode_file(content, format, encoding, codec::scene_name(cloud_path_));
 }
 
 std::string SceneOutput::encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const {
-  return encode(scene, labels, Format::kPcd);
+  return encode(scene, labels, codec::FileFormat::kPcd)->bytes;  // PCD holds every cloud.
 }
 
-void SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
-                      std::span<const std::uint32_t> labels) const {
+absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
+                              std::span<const std::uint32_t> labels) const {
   if (!cloud_path_.empty()) {
-    output.add(cloud_path_, encode(scene, labels, has_ply_name(cloud_path_) ? Format::kPly : Format::kPcd));
+    auto file = encode(scene, labels, *format_of(cloud_path_));
+    if (!file.ok()) return with_prefix(cloud_path_, file.status());
+    for (const codec::Warning& warning : file->warnings) {
+      print_warning(fmt::format("{}: {}", cloud_path_, warning.message));
+    }
+    output.add(cloud_path_, std::move(file->bytes));
   }
   if (!picture_path_.empty()) add_picture(output, picture_path_, scene.cloud, labels);
   if (!plain_picture_path_.empty()) add_picture(output, plain_picture_path_, scene.cloud, {});
+  return absl::OkStatus();
 }
 
 std::string SceneOutput::format_key() const {

@@ -7,7 +7,9 @@
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/segctl/staged_output.hpp"
+#include "segserve/codec/file_format.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
 
 namespace segserve::segctl {
@@ -33,15 +35,16 @@ class SceneOutput {
   std::string encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// Adds the files that the flags ask for. `labels` has one entry per point. The scene has everything that its file
-  /// had.
-  void add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
+  /// had. Prints a warning of what the format of the cloud cannot hold.
+  absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// Names the flags that decide how encode_pcd writes a cloud; empty for the defaults.
   std::string format_key() const;
 
  private:
-  enum class Format { kPcd, kPly };
-  std::string encode(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels, Format format) const;
+  absl::Status check_format() const;
+  absl::StatusOr<codec::EncodedFile> encode(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
+                                            codec::FileFormat format) const;
 
   std::string cloud_path_;
   std::string encoding_ = "binary";

@@ -21,7 +21,6 @@
 #include "segserve/client/payload.hpp"
 #include "segserve/client/result_file.hpp"
 #include "segserve/codec/cloud_file.hpp"
-#include "segserve/codec/ply.hpp"
 #include "segserve/segment.hpp"
 
 namespace segserve::segctl {
@@ -128,7 +127,7 @@ absl::Status read_files(const SegmentArguments& arguments, Job& job) {
   ASSIGN_OR_RETURN(std::string bytes, read_input(arguments.scenes.front()));
   const bool sends_pcd = job.request.codec && job.request.codec->codec == wire::Codec::kPcd;
   job.file_bytes = std::move(bytes);
-  if (sends_pcd && !codec::is_ply(*job.file_bytes)) {
+  if (sends_pcd && codec::is_taken_as_pcd(std::as_bytes(std::span(*job.file_bytes)))) {
     job.payload = client::pcd_payload(*job.file_bytes, job.request.view, job.request.unit);
   }
   return absl::OkStatus();
@@ -183,7 +182,7 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
                            StagedOutput& output) {
   if (arguments.scene_output.wanted() || arguments.split_output.wanted()) {
     const std::vector<std::uint32_t>& labels = result.segmentation.labels;
-    arguments.scene_output.add(output, *job.scene, labels);
+    RETURN_IF_ERROR(arguments.scene_output.add(output, *job.scene, labels));
     RETURN_IF_ERROR(arguments.split_output.add(output, *job.scene, labels, arguments.scene_output));
   }
   if (!arguments.result_path.empty()) {

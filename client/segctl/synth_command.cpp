@@ -161,7 +161,7 @@ absl::Status run(const SynthArguments& arguments) {
   ASSIGN_OR_RETURN(const auto scene, make_scene(arguments));
   codec::LabeledCloud content;
   content.cloud = scene.cloud;
-  arguments.scene_output.add(output, content, scene.label);
+  RETURN_IF_ERROR(arguments.scene_output.add(output, content, scene.label));
   if (arguments.rgbd_output.wanted()) {
     RETURN_IF_ERROR(arguments.rgbd_output.add(output, scene.cloud, *scene.camera));
   }

@@ -178,7 +178,7 @@ class Batch(EndToEnd):
                                 ((scene, "--out-dir", scene / "x", "--local"), "cannot make the folder"),
                                 ((scene, twin, "--out-dir", self.outputs), "both be written"),
                                 ((scene, "--out-dir", self.inputs), "overwritten"),
-                                ((self.outputs, "--out-dir", self.outputs), "no PCD or PLY"),
+                                ((self.outputs, "--out-dir", self.outputs), "no file of a cloud"),
                                 ((self.path("none"), "--out-dir", self.outputs), "there is no"),
                                 (("-", "--out-dir", self.outputs), "standard input"),
                                 ((scene, "--out-dir", self.outputs, "-o", "x.pcd"), "--out-dir excludes"),

@@ -75,7 +75,7 @@ class Usage(EndToEnd):
                           ("segment", "--depth", "x.png", "--intrinsics", "1,1,1,1", "--depth-scale", "0"),
                           ("segment", "--depth", "x.png", "--intrinsics", "1,1,1,1", "--view", "world"),
                           ("segment", "-", "--timeout", "0"), ("segment", "-", "--timeout", "nan"),
-                          ("segment", "-", "-o", "x.xyz"), ("segment", "-", "-o", "x.ply", "--encoding", "binary_compressed"),
+                          ("segment", "-", "-o", "x.stl"), ("segment", "-", "-o", "x.ply", "--encoding", "binary_compressed"),
                           ("segment", "-", "-o", "-", "--json", "-"), ("segment", "-", "-o", "/no/such/folder/x.pcd"),
                           ("segment", "-", "--result", str(self.folder)), ("synth",), ("synth", "-o", "x.pcd", "--size", "2"),
                           ("synth", "-o", "x.pcd", "--fused", "--width", "100"), ("synth", "-o", "x.pcd", "--width", "1"),

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Files of every format are segmented alike, and every format out and in again has the same labels and sensor."""
+import csv
+import gzip
+import json
+import struct
+import unittest
+
+try:
+    import numpy
+except ImportError:
+    numpy = None
+
+from harness import BAD_INPUT, DATA, EndToEnd, SUCCESS, segctl
+
+LAS = DATA / "las"
+
+
+def two_boxes():
+    """Two squares of different colors, apart from each other, with an intensity."""
+    points = [(x + 0.004 * (i % 20), 0.004 * (i // 20), 1.0) for x in (0.0, 2.0) for i in range(400)]
+    colors = [(255, 0, 0)] * 400 + [(0, 0, 255)] * 400
+    return points, colors
+
+
+class Formats(EndToEnd):
+    def segment_file(self, scene, *flags):
+        out = self.path("out.segs.json")
+        self.run_well("segment", scene, "--local", "--view", "world", "-o", out, "-q", *flags)
+        return json.loads(out.read_text())["segIndices"]
+
+    def write_text(self, name, row, head=""):
+        scene = self.path(name)
+        points, colors = two_boxes()
+        scene.write_text(head + "".join(row(p, c) for p, c in zip(points, colors)))
+        return scene
+
+    def scenes(self):
+        yield self.write_text("a.xyz", lambda p, c: "{} {} {} {} {} {}\n".format(*p, *c))
+        yield self.write_text("a.csv", lambda p, c: "{},{},{},{},{},{}\n".format(*p, *c), "x,y,z,red,green,blue\n")
+        yield self.write_text("a.pts", lambda p, c: "{} {} {} -100 {} {} {}\n".format(*p, *c), "800\n")
+        yield self.write_text("a.obj", lambda p, c: "v {} {} {} {} {} {}\n".format(*p, *(v / 255 for v in c)), "o boxes\n")
+        packed = self.path("b.xyz.gz")
+        packed.write_bytes(gzip.compress(self.path("a.xyz").read_bytes()))
+        yield packed
+
+    def test_files_of_every_format_are_segmented_alike(self):
+        expected = [1] * 400 + [2] * 400
+        for scene in self.scenes():
+            with self.subTest(scene.name):
+                self.assertEqual(self.segment_file(scene), expected)
+                done = self.run_well("segment", "-", "--local", "--view", "world", "--json", "-",
+                                     stdin=scene.read_bytes())
+                self.assertEqual(json.loads(done.stdout)["segments"], 2)
+
+    def test_every_format_out_and_in_again(self):
+        scene = self.write_text("in.csv", lambda p, c: "{},{},{},{},{},{},7\n".format(*p, *c),
+                                "x,y,z,red,green,blue,intensity\n")
+        for end in ("pcd", "ply", "las", "csv", "xyz", "npy"):
+            with self.subTest(end):
+                out = self.path("out." + end)
+                self.run_well("segment", scene, "--local", "--view", "world:0,0,3", "-o", out, "-q")
+                again = self.path("again.csv")
+                done = self.run_well("segment", out, "--local", "-o", again, "--json", "-")
+                told = json.loads(done.stdout)
+                self.assertEqual(told["view"], "world:0,0,3")
+                self.assertEqual(told["segments"], 2)
+                with open(again) as file:
+                    self.assertEqual(file.readline(), "# segserve view world 0 0 3\n")
+                    rows = list(csv.DictReader(file))
+                self.assertEqual([int(float(row["input_label"])) for row in rows], [1] * 400 + [2] * 400)
+                self.assertEqual({float(row["intensity"]) for row in rows}, {7})
+                self.assertEqual(rows[0]["red"], "255")
+
+    def test_lists_of_labels(self):
+        scene = self.write_text("scene7.xyz", lambda p, c: "{} {} {} {} {} {}\n".format(*p, *c))
+        segs, label = self.path("scene7.segs.json"), self.path("000000.label")
+        self.run_well("segment", scene, "--local", "-o", segs, "-q")
+        told = json.loads(segs.read_text())
+        self.assertEqual(told["segIndices"], [1] * 400 + [2] * 400)
+        self.assertTrue(told["sceneId"].endswith("scene7"))
+        self.run_well("segment", scene, "--local", "-o", label, "-q")
+        self.assertEqual(struct.unpack("<800I", label.read_bytes()), (1 << 16,) * 400 + (2 << 16,) * 400)
+        self.run_badly(BAD_INPUT, "segment", scene, "--local", "-o", label, "--drop-unlabelled")
+        self.run_badly(BAD_INPUT, "segment", scene, "--local", "-o", self.path("x.las"), "--encoding", "ascii")
+
+    @unittest.skipUnless(numpy, "there is no NumPy")
+    def test_arrays_as_numpy_has_them(self):
+        points, colors = two_boxes()
+        xyz, rgb = numpy.array(points, dtype="f4"), numpy.array(colors, dtype="u1")
+        numpy.save(self.path("a.npy"), numpy.hstack([xyz, rgb.astype("f4")]))
+        numpy.save(self.path("b.npy"), numpy.asfortranarray(numpy.hstack([xyz, rgb.astype("f4")]).astype(">f8")))
+        numpy.savez(self.path("c.npz"), points=xyz, colors=rgb)
+        numpy.savez_compressed(self.path("d.npz"), x=xyz[:, 0], y=xyz[:, 1], z=xyz[:, 2], rgb=rgb / 255)
+        for name in ("a.npy", "b.npy", "c.npz", "d.npz"):
+            with self.subTest(name):
+                self.assertEqual(self.segment_file(self.path(name)), [1] * 400 + [2] * 400)
+        out = self.path("out.npy")
+        self.run_well("segment", self.path("c.npz"), "--local", "-o", out, "-q")
+        array = numpy.load(out)
+        self.assertEqual(array.dtype.names, ("x", "y", "z", "red", "green", "blue", "label"))
+        self.assertEqual(array["label"].tolist(), [1] * 400 + [2] * 400)
+        self.assertTrue((array["x"] == xyz[:, 0]).all())
+        numpy.save(out, numpy.array([None, {}], dtype=object), allow_pickle=True)
+        self.assertIn("Python objects", self.run_badly(BAD_INPUT, "segment", out, "--local"))
+
+    @unittest.skipUnless(LAS.is_dir(), "there are no LAS files of others")
+    def test_las_files_of_others(self):
+        out = self.path("out.las")
+        for name in ("1.2-with-color.las", "test1_4.las", "spec_3.las"):
+            with self.subTest(name):
+                done = segctl("segment", LAS / name, "--local", "-o", out, "-q")
+                self.assertEqual(done.returncode, SUCCESS, done.stderr)
+                self.assertTrue(out.read_bytes().startswith(b"LASF"))
+        for name, words in (("simple.laz", "las2las"), ("1.2-with-color.copc.laz", "COPC"), ("A4.e57", "E57")):
+            self.assertIn(words, self.run_badly(BAD_INPUT, "segment", LAS / name, "--local"))
+
+
+if __name__ == "__main__":
+    unittest.main()
