@@ -46,16 +46,14 @@ void SegmentArguments::add_to(CLI::App& app) {
   app.add_option("--result", result_path, "save the result with its merge tree, for segctl cut")
       ->type_name("FILE")
       ->group("Output");
-  app.add_flag("--segments", segments,
-               "tell points, centroid, oriented box, mean color and mean normal of every segment, in --json, --out-dir "
-               "and --result")
+  app.add_flag(
+         "--segments", segments,
+         "tell points, centroid, box, mean color and mean normal of every segment in --json, --out-dir and --result")
       ->group("Output");
-  json.add_to(
-      app,
-      "write the summary as one JSON object, with --out-dir one a file and line, of a recording one a frame and line");
+  json.add_to(app, "write the summary as JSON: one object, or a line for each file or frame of many");
   CLI::Option* out_dir_flag = app.add_option("--out-dir", out_dir,
                                              "for many files: write DIR/NAME.pcd, labeled, and DIR/NAME.json of each, "
-                                             "unless they are there and of the same options; DIR is made if missing")
+                                             "unless they are there and of the same options")
                                   ->type_name("DIR")
                                   ->group("Output");
   app.add_option("--parallel", parallel, "files at the same time; default 4, with --local one per CPU")

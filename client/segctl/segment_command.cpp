@@ -29,7 +29,6 @@ namespace {
 constexpr const char* kExamples = R"(segctl segment scene.pcd -o labeled.pcd --picture segments.png
 segctl segment scene.ply --view world:0,0,1.5 --server robot:50051 --json -
 segctl segment --depth depth.png --rgb color.jpg --intrinsics 525,525,319.5,239.5 --picture segments.png
-segctl segment scene.pcd --local --regions 12 -o - | other-program
 segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
 segctl segment scene.pcd --range-max 1.5 --support-plane-distance 0.01 -o objects.pcd --drop-unlabelled
 segctl segment scene.pcd --segments --json - | jq '.segment_statistics[0].box'
@@ -66,26 +65,9 @@ constexpr const char* kExitCodes =
     "0 success; 1 the operation failed (no server, time over, disk full); 2 bad input or usage; 130 Ctrl-C.";
 
 HelpText help() {
-  return {.common = {"--method",
-                     "--threshold",
-                     "--regions",
-                     "--range-max",
-                     "--support-plane-distance",
-                     "--view",
-                     "--depth",
-                     "--rgb",
-                     "--intrinsics",
-                     "--server",
-                     "--local",
-                     "--output",
-                     "--drop-unlabelled",
-                     "--split",
-                     "--picture",
-                     "--result",
-                     "--segments",
-                     "--json",
-                     "--out-dir",
-                     "--topic"},
+  return {.common = {"--method", "--threshold", "--regions", "--range-max", "--unit", "--view", "--depth", "--rgb",
+                     "--intrinsics", "--server", "--local", "--output", "--split", "--picture", "--result",
+                     "--segments", "--json", "--out-dir", "--topic"},
           .examples = kExamples,
           .details = kDetails,
           .exit_codes = kExitCodes};

@@ -67,6 +67,8 @@ constexpr OptionInfo whole(std::string_view name, std::string_view description, 
 }
 
 constexpr double kFarthest = 100'000;
+/// Meters. Coordinates may be those of the earth, such as UTM.
+constexpr double kFarthestSide = 100'000'000;
 
 constexpr std::array kTable = {
     number<&Options::voxel_resolution>("voxel_resolution", "m", "edge of a voxel; in a CAMERA view at 1 m distance",
@@ -82,12 +84,12 @@ constexpr std::array kTable = {
                              2147483647),
     whole<&Options::min_segment_points>(
         "min_segment_points", "segments of fewer points join the neighbor they are least unlike", 0, 2147483647),
-    number<&Options::crop_min_x>("crop_min_x", "m", "leave out points with a smaller x", -kFarthest, kFarthest),
-    number<&Options::crop_max_x>("crop_max_x", "m", "leave out points with a greater x", -kFarthest, kFarthest),
-    number<&Options::crop_min_y>("crop_min_y", "m", "leave out points with a smaller y", -kFarthest, kFarthest),
-    number<&Options::crop_max_y>("crop_max_y", "m", "leave out points with a greater y", -kFarthest, kFarthest),
-    number<&Options::crop_min_z>("crop_min_z", "m", "leave out points with a smaller z", -kFarthest, kFarthest),
-    number<&Options::crop_max_z>("crop_max_z", "m", "leave out points with a greater z", -kFarthest, kFarthest),
+    number<&Options::crop_min_x>("crop_min_x", "m", "leave out points with a smaller x", -kFarthestSide, kFarthestSide),
+    number<&Options::crop_max_x>("crop_max_x", "m", "leave out points with a greater x", -kFarthestSide, kFarthestSide),
+    number<&Options::crop_min_y>("crop_min_y", "m", "leave out points with a smaller y", -kFarthestSide, kFarthestSide),
+    number<&Options::crop_max_y>("crop_max_y", "m", "leave out points with a greater y", -kFarthestSide, kFarthestSide),
+    number<&Options::crop_min_z>("crop_min_z", "m", "leave out points with a smaller z", -kFarthestSide, kFarthestSide),
+    number<&Options::crop_max_z>("crop_max_z", "m", "leave out points with a greater z", -kFarthestSide, kFarthestSide),
     number<&Options::range_min>("range_min", "m", "leave out points nearer to the sensor", 0, kFarthest),
     number<&Options::range_max>("range_max", "m", "leave out points farther from the sensor", 0, kFarthest),
     number<&Options::support_plane_distance>(

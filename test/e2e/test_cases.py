@@ -135,7 +135,7 @@ class Cases(EndToEnd):
                 self.assertTrue(info["view_rule"])
                 self.assertGreater(info["spacing"], 0)
                 self.assertEqual(info["unit"]["guess"], "mm" if "millimetres" in path.name else "m")
-                self.assertIn(path.name, self.run_well("info", path).stdout)
+                self.assertIn(path.name, self.run_well("info", path).stdout.decode())
 
     def images_told(self, *flags):
         """What a local run tells of images; a server tells the same."""

@@ -166,7 +166,7 @@ class Images(EndToEnd):
     def test_flags_that_are_wrong(self):
         for words, *flags in (("5000 units a meter are 0.0002", "--depth-scale", "5000"),
                               ("--depth-unit", "--depth-unit", "inch"),
-                              ("excludes", "--depth-unit", "mm", "--depth-scale", "0.001"),
+                              ("does not go with", "--depth-unit", "mm", "--depth-scale", "0.001"),
                               ("--rgb-intrinsics needs --rgb", "--rgb-intrinsics", INTRINSICS),
                               ("--rgb-intrinsics: fx is 0", "--rgb", self.rgb, "--rgb-intrinsics", "0,1,1,1"),
                               ("--rgb-intrinsics 1,2: must be", "--rgb", self.rgb, "--rgb-intrinsics", "1,2")):

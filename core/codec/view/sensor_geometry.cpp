@@ -39,44 +39,6 @@ struct Lines {
   static Lines columns(const CloudView& cloud) { return {cloud.width, cloud.height, 1, cloud.width}; }
 };
 
-/// Which share of the pairs of neighboring points along some of the lines have ascending values on the image.
-struct Ascent {
-  std::size_t pairs = 0, ascending = 0;
-
-  bool is_monotone() const {
-    constexpr double kShare = 0.95;
-    const auto share = static_cast<double>(ascending) / static_cast<double>(pairs);
-    return std::max(share, 1 - share) >= kShare;
-  }
-};
-
-Ascent ascent(const CloudView& cloud, const Lines& lines, int axis, StopCheck& check) {
-  constexpr std::size_t kLines = 32;
-  Ascent sum;
-  const std::size_t every = std::max<std::size_t>(1, lines.count / kLines);
-  for (std::size_t line = every / 2; line < lines.count && !check.after(lines.length); line += every) {
-    bool has_last = false;
-    float last = 0;
-    for (std::size_t k = 0; k < lines.length; ++k) {
-      const std::size_t i = line * lines.line_step + k * lines.point_step;
-      if (!is_point(cloud, i) || cloud.z[i] == 0) continue;
-      const float value = on_image(cloud, i, axis);
-      if (has_last && value != last) {
-        ++sum.pairs;
-        sum.ascending += value > last ? 1 : 0;
-      }
-      last = value;
-      has_last = true;
-    }
-  }
-  return sum;
-}
-
-Agreement are_monotone(const Ascent& a, const Ascent& b) {
-  if (a.pairs < kFewest || b.pairs < kFewest) return Agreement::kUnknown;
-  return a.is_monotone() && b.is_monotone() ? Agreement::kYes : Agreement::kNo;
-}
-
 /// Sums for the variance of values.
 struct Variance {
   std::size_t count = 0;
@@ -91,25 +53,41 @@ struct Variance {
   double spread() const { return count == 0 ? 0 : std::max(0.0, squares - sum * sum / static_cast<double>(count)); }
 };
 
-/// Whether the elevations within the lines differ much less than those of all points.
-bool are_rings(const CloudView& cloud, const Lines& lines, StopCheck& check) {
+/// Whether a value of the points is nearly the same along each line: it differs much less there than among all points.
+/// Looks at some of the lines. Values that are not finite are left out.
+template <typename Value>
+Agreement is_constant_along(const CloudView& cloud, const Lines& lines, StopCheck& check, Value value) {
+  constexpr std::size_t kLines = 48;
   constexpr double kShare = 0.01;
-  constexpr float kSteepest = 10;  // Straight above and below, elevations say nothing.
   Variance all;
   double within = 0;
-  for (std::size_t line = 0; line < lines.count && !check.after(lines.length); ++line) {
-    Variance ring;
+  const std::size_t every = std::max<std::size_t>(1, lines.count / kLines);
+  for (std::size_t line = every / 2; line < lines.count && !check.after(lines.length); line += every) {
+    Variance one;
     for (std::size_t k = 0; k < lines.length; ++k) {
       const std::size_t i = line * lines.line_step + k * lines.point_step;
-      if (!is_point(cloud, i)) continue;
-      const float value = elevation(cloud, i);
-      if (!(std::abs(value) < kSteepest)) continue;
-      ring.add(value);
-      all.add(value);
+      const float v = is_point(cloud, i) ? value(i) : NAN;
+      if (!std::isfinite(v)) continue;
+      one.add(v);
+      all.add(v);
     }
-    within += ring.spread();
+    within += one.spread();
   }
-  return all.count >= kFewest && all.spread() > 0 && within <= kShare * all.spread();
+  if (all.count < kFewest || all.spread() == 0) return Agreement::kUnknown;
+  return within <= kShare * all.spread() ? Agreement::kYes : Agreement::kNo;
+}
+
+Agreement both(Agreement a, Agreement b) {
+  if (a == Agreement::kNo || b == Agreement::kNo) return Agreement::kNo;
+  return a == b ? a : Agreement::kUnknown;
+}
+
+bool are_rings(const CloudView& cloud, const Lines& lines, StopCheck& check) {
+  constexpr float kSteepest = 10;  // Straight above and below, elevations say nothing.
+  return is_constant_along(cloud, lines, check, [&](std::size_t i) {
+           const float v = elevation(cloud, i);
+           return std::abs(v) < kSteepest ? v : NAN;
+         }) == Agreement::kYes;
 }
 
 /// Values that are (nearly) the same.
@@ -234,9 +212,11 @@ bool is_behind_origin(const CloudView& cloud, StopCheck& check) {
 
 Agreement follows_pixels(const CloudView& cloud, StopCheck& check) {
   const Lines rows = Lines::rows(cloud), columns = Lines::columns(cloud);
-  const Agreement upright = are_monotone(ascent(cloud, rows, 0, check), ascent(cloud, columns, 1, check));
-  if (upright != Agreement::kNo) return upright;
-  return are_monotone(ascent(cloud, columns, 0, check), ascent(cloud, rows, 1, check));
+  const auto along = [&](const Lines& lines, int axis) {
+    return is_constant_along(cloud, lines, check, [&](std::size_t i) { return on_image(cloud, i, axis); });
+  };
+  const Agreement upright = both(along(columns, 0), along(rows, 1));
+  return upright == Agreement::kNo ? both(along(rows, 0), along(columns, 1)) : upright;
 }
 
 bool follows_rings(const CloudView& cloud, StopCheck& check) {

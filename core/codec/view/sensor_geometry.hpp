@@ -27,8 +27,8 @@ bool is_behind_origin(const CloudView& cloud, StopCheck& check);
 
 enum class Agreement { kNo, kYes, kUnknown };
 
-/// Whether an organized cloud can come from a camera: x/z and y/z are monotone along the rows and columns, or the
-/// columns and rows. Clouds of a few points cannot tell.
+/// Whether an organized cloud can come from a camera: x/z hardly changes along the columns, and y/z along the rows, or
+/// the other way around. Clouds of a few points cannot tell.
 Agreement follows_pixels(const CloudView& cloud, StopCheck& check);
 
 /// Whether an organized cloud can come from a spinning LiDAR: along each row, or along each column, the elevation from

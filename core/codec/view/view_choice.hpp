@@ -41,20 +41,16 @@ struct ViewChoice {
 /// file:
 ///
 ///  1. What the reader gives, and else what the file states in segserve's own words.
-///  2. An organized cloud is a camera's frame, CAMERA, if (nearly) all points have z > 0, or all have z < 0, and x/z
-///  and
-///     y/z are monotone along rows and columns, as those of pixels are.
+///  2. An organized cloud is a camera's frame, CAMERA, if (nearly) all points have z > 0, or all have z < 0, and x/z is
+///     the same along each column, and y/z along each row, as those of pixels are.
 ///  3. An organized cloud whose rows or columns have a constant elevation from the origin is the sweep of a spinning
-///  LiDAR:
-///     WORLD with the sensor at the origin.
-///  4. A cloud that is not organized is a camera's frame, CAMERA, if all points have z > 0, or all have z < 0, and x/z
-///  and
-///     y/z take few values, as those of pixels do; and the sweep of a LiDAR if the elevations from the origin take few
-///     values.
+///     LiDAR: WORLD with the sensor at the origin.
+///  4. A cloud that is not organized is a camera's frame, CAMERA, if all points have z > 0, or all have z < 0, and both
+///     x/z and y/z take few values, as those of pixels do. It is the sweep of a LiDAR if the elevations from the origin
+///     take few values.
 ///  5. A position that the file gives, and that is not (0, 0, 0), is that of the sensor: WORLD.
 ///  6. A sensor at the origin, if the format has an entry for it, is believed unless the cloud is organized, or the
-///  origin
-///     lies inside the points' bounding box or below a horizontal plane of points: WORLD.
+///     origin lies inside the points' bounding box or below a horizontal plane of points: WORLD.
 ///  7. Else WORLD without a sensor.
 ///
 /// Points at (0, 0, 0) are ignored. CANCELLED, DEADLINE_EXCEEDED.

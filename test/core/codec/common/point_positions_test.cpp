@@ -12,6 +12,7 @@ namespace segserve::codec {
 namespace {
 
 using testing::ElementsAre;
+using testing::FloatNear;
 using testing::HasSubstr;
 
 template <typename T>
@@ -33,7 +34,7 @@ TEST(PointPositions, CoordinatesFarAwayStayExact) {
       std::vector{389425.001, 389425.002, 389425.0}, {5819321.0, 5819321.5, 5819320.75}, {112.0, 112.25, 112.0}};
   const LabeledCloud read_cloud = read(utm, ScalarType::kFloat64, {.keep_everything = true});
   EXPECT_EQ(read_cloud.placement.offset, Eigen::Vector3d(389425, 5819321, 112));
-  EXPECT_THAT(read_cloud.cloud.x, ElementsAre(0.001F, 0.002F, 0.0F));
+  EXPECT_THAT(read_cloud.cloud.x, ElementsAre(FloatNear(0.001F, 1e-9F), FloatNear(0.002F, 1e-9F), 0.0F));
   EXPECT_THAT(read_cloud.cloud.y, ElementsAre(0.0F, 0.5F, -0.25F));
   EXPECT_EQ(read_cloud.file_position[0], utm[0]);
   EXPECT_EQ(read_cloud.placement.to_file({0, 0.5, 0.25}), Eigen::Vector3d(389425, 5819321.5, 112.25));
