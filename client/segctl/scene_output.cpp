@@ -54,10 +54,9 @@ void add_picture(StagedOutput& output, const std::string& path, const CloudView&
 }  // namespace
 
 void SceneOutput::add_to(CLI::App& app) {
-  app.add_option(
-         "-o,--output", cloud_path_,
-         "write the cloud with its labels (field \"label\", in LAS \"segment\"): " + codec::writable_extensions() +
-             "; - is PCD to standard output; of a recording .mcap, with the other topics as they were")
+  app.add_option("-o,--output", cloud_path_,
+                 "write the cloud with its labels: " + codec::writable_extensions() +
+                     ", of a recording .mcap; - is PCD to standard output")
       ->type_name("FILE")
       ->group("Output");
   app.add_option("--encoding", encoding_,

@@ -18,8 +18,8 @@ constexpr double kDefaultTimeout = 30;
 void SegmentArguments::add_to(CLI::App& app) {
   app.add_option(
          "SCENE", scenes,
-         "file of a cloud (PCD, PLY, LAS, XYZ, CSV, PTS, OBJ, NPY or NPZ, also .gz or .zst), or a recording (MCAP or "
-         "ROS 1 bag); - is standard input; with --out-dir several files, or folders of them")
+         "file of a cloud (PCD, PLY, LAS, text, OBJ, NPY, NPZ; also .gz, .zst) or recording (MCAP, ROS 1 bag); - is "
+         "standard input; with --out-dir several files or folders")
       ->type_name("FILE");
   options.add_to(app);
   app.add_option("--view", view,

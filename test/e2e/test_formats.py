@@ -109,7 +109,8 @@ class Formats(EndToEnd):
         out = self.path("out.las")
         for name in ("1.2-with-color.las", "test1_4.las", "spec_3.las"):
             with self.subTest(name):
-                done = segctl("segment", LAS / name, "--local", "-o", out, "-q")
+                done = segctl("segment", LAS / name, "--local", "--voxel-resolution", "1", "--seed-resolution", "10", "-o",
+                              out, "-q")
                 self.assertEqual(done.returncode, SUCCESS, done.stderr)
                 self.assertTrue(out.read_bytes().startswith(b"LASF"))
         for name, words in (("simple.laz", "las2las"), ("1.2-with-color.copc.laz", "COPC"), ("A4.e57", "E57")):
