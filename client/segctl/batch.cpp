@@ -49,6 +49,7 @@ class SentScenes {
   std::vector<std::uint64_t> sequences() ABSL_LOCKS_EXCLUDED(mutex_) {
     const MutexLock lock(mutex_);
     std::vector<std::uint64_t> sequences;
+    sequences.reserve(scenes_.size());
     for (const auto& [sequence, scene] : scenes_) sequences.push_back(sequence);
     return sequences;
   }

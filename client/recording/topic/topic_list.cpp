@@ -69,6 +69,7 @@ std::vector<TopicInfo> topic_list(const Contents& contents) {
     }
   }
   std::vector<TopicInfo> list;
+  list.reserve(topics.size());
   for (auto& [name, topic] : topics) list.push_back(std::move(topic));
   return list;
 }

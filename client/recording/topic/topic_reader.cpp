@@ -21,7 +21,7 @@ TopicReader::TopicReader(TopicReader&&) noexcept = default;
 TopicReader& TopicReader::operator=(TopicReader&&) noexcept = default;
 TopicReader::~TopicReader() = default;
 
-absl::StatusOr<TopicReader> TopicReader::open(const std::string& path, TopicReaderOptions options,
+absl::StatusOr<TopicReader> TopicReader::open(const std::string& path, const TopicReaderOptions& options,
                                               const StopToken& stop) {
   ASSIGN_OR_RETURN(auto frames, recording::FrameReader::open(path, options, stop));
   return TopicReader(std::make_unique<State>(std::move(frames)));

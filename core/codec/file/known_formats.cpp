@@ -22,7 +22,8 @@ constexpr std::string_view kPdal = "pdal translate makes a LAS or PLY file of it
 constexpr std::string_view kUnpack = "unpack it first";
 constexpr std::string_view kImage = "the options --depth, --rgb and --intrinsics take images";
 constexpr std::string_view kMesh = "sample points on the mesh, or save its vertices as PLY";
-constexpr std::string_view kRecording = "take the clouds out of it, as PCD or PLY files";
+constexpr std::string_view kReplay = "segctl segment FILE reads one recording, but not from standard input";
+constexpr std::string_view kRecording = "take the clouds out of it, or record them as MCAP, which segctl segment reads";
 
 constexpr std::array<KnownFormat, 15> kFormats{{
     {"ASTM-E57"sv, "E57", kPdal},
@@ -32,8 +33,8 @@ constexpr std::array<KnownFormat, 15> kFormats{{
      "7zXZ\0"sv,
      "xz", kUnpack},
     {"BZh"sv, "bzip2", kUnpack},
-    {"\x89MCAP0\r\n"sv, "MCAP", kRecording},
-    {"#ROSBAG V"sv, "a ROS bag", kRecording},
+    {"\x89MCAP0\r\n"sv, "MCAP", kReplay},
+    {"#ROSBAG V"sv, "a ROS bag", kReplay},
     {"SQLite format 3\0"sv, "a SQLite file, as ROS 2 records", kRecording},
     {"glTF"sv, "glTF", kMesh},
     {"{"sv, "JSON, perhaps glTF", kMesh},

@@ -81,7 +81,7 @@ class TopicReader {
  public:
   /// NOT_FOUND if there is no such file. INVALID_ARGUMENT for a file of another kind, and for a topic that is not there
   /// or no frames can be made of; the message lists the topics. Others as next().
-  static absl::StatusOr<TopicReader> open(const std::string& path, TopicReaderOptions options = {},
+  static absl::StatusOr<TopicReader> open(const std::string& path, const TopicReaderOptions& options = {},
                                           const StopToken& stop = {});
   TopicReader(TopicReader&&) noexcept;
   TopicReader& operator=(TopicReader&&) noexcept;
