@@ -46,8 +46,8 @@ With it the loop is open: frames are due at fixed or random times, whatever beca
 from the time at which a frame was due until its result is decoded, so that a server that stalls does not hide the
 frames that it held up. "since sent" counts from the time at which the frame was handed over.
 
-A recording is an open loop, too: every client replays it over and over, with the times at which its frames were recorded.
-Clients begin at different frames. --speed 0 makes it a closed loop.
+A recording is an open loop, too: every client replays it over and over, with the times at which its frames were
+recorded. Clients begin at different frames. --speed 0 makes it a closed loop.
 
 Objectives are METRIC<NUMBER, also <=, > and >=. Metrics: p50, p90, p99, p99.9, mean, max (with unit us, ms or s), fps,
 mpoints (million points a second), errors (share of the frames, with %), least-share (the results of the client with the

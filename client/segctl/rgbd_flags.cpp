@@ -44,7 +44,7 @@ void RgbdFlags::add_to(CLI::App& app) {
       ->type_name("IMAGE")
       ->group(kGroup);
   app.add_option("--intrinsics", intrinsics_,
-                 "focal lengths and center of the camera in pixels; the center of the first pixel is 0,0")
+                 "focal lengths and center in pixels; the center of the first pixel is 0,0")
       ->type_name("FX,FY,CX,CY")
       ->group(kGroup);
   app.add_option("--rgb-intrinsics", color_intrinsics_,

@@ -46,9 +46,7 @@ void SegmentArguments::add_to(CLI::App& app) {
   app.add_option("--result", result_path, "save the result with its merge tree, for segctl cut")
       ->type_name("FILE")
       ->group("Output");
-  app.add_flag(
-         "--segments", segments,
-         "tell points, centroid, box, mean color and mean normal of every segment in --json, --out-dir and --result")
+  app.add_flag("--segments", segments, "tell points, centroid, box, mean color and normal of every segment in JSON")
       ->group("Output");
   json.add_to(app, "write the summary as JSON: one object, or a line for each file or frame of many");
   CLI::Option* out_dir_flag = app.add_option("--out-dir", out_dir,

@@ -4,14 +4,10 @@
 namespace segserve::segctl {
 
 void UnitFlag::add_to(CLI::App& app, const std::string& group) {
-  option_ =
-      app.add_option("--unit", name_,
-                     "unit of the coordinates in the file; auto takes meters or millimeters, as the spacing of the "
-                     "points makes plain")
-          ->check(CLI::IsMember({"m", "cm", "mm", "in", "ft", "auto"}))
-          ->type_name("NAME")
-          ->capture_default_str()
-          ->group(group);
+  option_ = app.add_option("--unit", name_, "unit of the coordinates in the file: m (default), cm, mm, in, ft or auto")
+                ->check(CLI::IsMember({"m", "cm", "mm", "in", "ft", "auto"}))
+                ->option_text("NAME")
+                ->group(group);
 }
 
 }  // namespace segserve::segctl

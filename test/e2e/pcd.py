@@ -40,15 +40,20 @@ def lzf_of_repeated(word, count):
 
 
 def read_binary(path):
-    """The names of the fields, and the bytes of the points, of a binary PCD file of 4-byte fields."""
+    """The names of the fields, and the bytes of the points, of a binary PCD file. Fields that do not have 4 bytes are left out."""
     content = path.read_bytes()
     start = content.index(b"DATA binary\n")
     lines = dict(line.split(" ", 1) for line in content[:start].decode().splitlines() if " " in line)
     fields = lines["FIELDS"].split()
-    assert set(lines["SIZE"].split()) == {"4"}, lines
+    sizes = [int(size) for size in lines["SIZE"].split()]
     body = content[start + len(b"DATA binary\n"):]
-    assert len(body) == 4 * len(fields) * int(lines["POINTS"])
-    return fields, body
+    assert len(body) == sum(sizes) * int(lines["POINTS"])
+    begins = [sum(sizes[:i]) for i in range(len(sizes))]
+    kept = [i for i, size in enumerate(sizes) if size == 4]
+    if len(kept) == len(sizes):
+        return fields, body
+    rows = (body[row:row + sum(sizes)] for row in range(0, len(body), sum(sizes)))
+    return [fields[i] for i in kept], b"".join(row[begins[i]:begins[i] + 4] for row in rows for i in kept)
 
 
 def read_labels(path):

@@ -18,6 +18,8 @@ namespace {
 /// A cloud is moved if its median is farther from 0 than this along an axis, in meters. Floats are exact to 0.03 mm
 /// there.
 constexpr double kFar = 512;
+/// Nothing on earth is farther away, in meters. Beyond it, numbers are no coordinates.
+constexpr double kFarthest = 1e8;
 
 using Planes = std::array<std::vector<float>*, 3>;
 
@@ -68,6 +70,7 @@ Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, co
   bool is_far = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double middle = median(columns[axis], planes[axis]->size(), check);
+    if (std::abs(middle) * scale > kFarthest) return Eigen::Vector3d::Zero();
     is_far = is_far || std::abs(middle) * scale > kFar;
     offset[static_cast<Eigen::Index>(axis)] = std::round(middle / step) * step;
   }

@@ -46,6 +46,10 @@ TEST(PointPositions, AFewPointsFarAwayMoveNothing) {
   EXPECT_EQ(near.cloud.x[3], 1e9F);
 }
 
+TEST(PointPositions, NumbersBeyondTheEarthMoveNothing) {
+  EXPECT_TRUE(read<float>({{{1e30F}, {0}, {0}}}, ScalarType::kFloat32).placement.is_identity());
+}
+
 TEST(PointPositions, UnitsBecomeMeters) {
   const std::array<std::vector<std::int16_t>, 3> axes{std::vector<std::int16_t>{1000, 2000}, {0, 500}, {-250, 0}};
   const LabeledCloud millimeters =
