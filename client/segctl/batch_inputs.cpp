@@ -2,13 +2,16 @@
 #include "client/segctl/batch_inputs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
+#include <string_view>
 #include <system_error>
 
 #include "client/segctl/json_flag.hpp"
+#include "client/segctl/messages.hpp"
 #include "client/segctl/output_names.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
@@ -26,11 +29,26 @@ bool is_cloud_file(const fs::directory_entry& entry) {
   return entry.is_regular_file(error) && codec::is_cloud_file(entry.path().string());
 }
 
+/// Whether the name is that of a file with clouds that a folder's batch does not read.
+bool is_left_out(const fs::path& path) {
+  constexpr std::array<std::string_view, 9> kExtensions{".laz", ".e57", ".mcap", ".bag", ".db3",
+                                                        ".stl", ".drc", ".ptx",  ".zip"};
+  return std::ranges::find(kExtensions, path.extension().string()) != kExtensions.end();
+}
+
 absl::Status append_cloud_files(const std::string& folder, std::vector<std::string>& files) {
   std::error_code error;
-  std::vector<std::string> found;
+  std::vector<std::string> found, left_out;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_cloud_file(*entry)) found.push_back(entry->path().string());
+    if (is_cloud_file(*entry)) {
+      found.push_back(entry->path().string());
+    } else if (is_left_out(entry->path())) {
+      left_out.push_back(entry->path().filename().string());
+    }
+  }
+  if (!left_out.empty()) {
+    std::ranges::sort(left_out);
+    print_warning(fmt::format("{}: left out {}, which cannot be read in a folder", folder, fmt::join(left_out, ", ")));
   }
   if (error) return absl::UnavailableError(fmt::format("cannot read folder {}: {}", folder, error.message()));
   std::ranges::sort(found);
@@ -51,7 +69,9 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
       return absl::NotFoundError(fmt::format("there is no {}", path));
     }
   }
-  if (files.empty()) return absl::InvalidArgumentError("there is no file of a cloud in what was given");
+  if (files.empty())
+    return absl::InvalidArgumentError(
+        "there is no file of a cloud in what was given; recordings are segmented one at a time, by their names");
   std::set<fs::path> seen;
   std::erase_if(files, [&](const auto& file) { return !seen.insert(fs::absolute(file).lexically_normal()).second; });
   return files;

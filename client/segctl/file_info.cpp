@@ -3,6 +3,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -43,6 +47,28 @@ Box box_of(const codec::LabeledCloud& scene) {
     ++box.finite;
   }
   return box;
+}
+
+/// The number of cubes of this edge, meters, that hold points.
+std::size_t count_cubes(const Cloud& cloud, double edge) {
+  std::vector<std::array<double, 3>> cubes;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) continue;
+    cubes.push_back({std::floor(cloud.x[i] / edge), std::floor(cloud.y[i] / edge), std::floor(cloud.z[i] / edge)});
+  }
+  std::ranges::sort(cubes);
+  return static_cast<std::size_t>(std::ranges::unique(cubes).begin() - cubes.begin());
+}
+
+/// The spacing times a power of the square root of two at which a voxel holds four points on average; nullopt in a
+/// camera's frame, where voxels grow with the distance, and for points farther apart than the largest voxels.
+std::optional<double> fitting_resolution(const Cloud& cloud, double spacing) {
+  constexpr double kLargest = 1, kWanted = 4;
+  if (cloud.view.kind == ViewKind::kCamera) return std::nullopt;
+  for (double edge = spacing; edge <= kLargest; edge *= std::sqrt(2.0)) {
+    if (kWanted * static_cast<double>(count_cubes(cloud, edge)) <= static_cast<double>(cloud.size())) return edge;
+  }
+  return std::nullopt;
 }
 
 Json attributes_json(const codec::LabeledCloud& scene) {
@@ -111,7 +137,8 @@ absl::StatusOr<Json> file_info(const std::string& path, codec::ReadOptions optio
   json["view_rule"] = scene->view_rule;
   json["placement"] = {{"scale", vector_json(scene->placement.scale)},
                        {"offset", vector_json(scene->placement.offset)}};
-  json["voxel_resolution"] = spacing ? Json(2 * *spacing) : Json();
+  const auto resolution = spacing ? fitting_resolution(scene->cloud, *spacing) : std::nullopt;
+  json["voxel_resolution"] = resolution ? Json(*resolution) : Json();
   json["warnings"] = warnings_json(scene->warnings);
   return json;
 }
@@ -155,8 +182,11 @@ std::string file_info_text(const Json& info) {
     text += fmt::format("from {} to {}\n", position_text(info["box"]["low"]), position_text(info["box"]["high"]));
   }
   if (!info["spacing"].is_null()) {
-    text += fmt::format("neighboring points are {:.4g} units apart; voxels of {:.3g} m would hold about four\n",
-                        info["spacing"].get<double>(), info["voxel_resolution"].get<double>());
+    const Json& resolution = info["voxel_resolution"];
+    text += fmt::format("neighboring points are {:.4g} units apart{}\n", info["spacing"].get<double>(),
+                        resolution.is_null()
+                            ? ""
+                            : fmt::format("; a voxel of {:.3g} m would hold four or more", resolution.get<double>()));
   }
   const Json& unit = info["unit"];
   text += fmt::format("unit: {}", unit["taken"].get<std::string>());

@@ -33,7 +33,6 @@ client::Result empty_result(const codec::LabeledCloud& content, const Options& o
   client::Result result;
   result.method = options.method;
   result.view = content.cloud.view;
-  result.in_this_process = true;
   return result;
 }
 

@@ -174,7 +174,7 @@ absl::Status report(const Summary& summary, const JsonFlag& json, bool quiet, St
   json.add(output, to_json(summary));
   if (!quiet && !output.uses_stdout()) {
     output.add("-", to_text(summary));
-  } else if (!quiet && !json.given()) {
+  } else if (!json.given()) {
     for (const codec::Warning& warning : summary.result.warnings) print_warning(warning.message);
   }
   return output.commit();

@@ -41,8 +41,8 @@ absl::Status invalid_point(const CloudView& cloud, const CellMapping& mapping, d
         "point {} at ({}, {}, {}): z must be above 0 in a CAMERA view; is this a WORLD cloud?", i, x, y, z));
   }
   return absl::InvalidArgumentError(fmt::format(
-      "point {} at ({}, {}, {}) is beyond the grid, which reaches {} m{} at voxel_resolution {} m; move the cloud to "
-      "the origin or use larger voxels",
+      "point {} at ({}, {}, {}) is beyond the grid, which reaches {} m{} at voxel_resolution {} m; is the unit of "
+      "the coordinates right? larger voxels reach farther",
       i, x, y, z, mapping.coordinate_limit(),
       cloud.view.kind == ViewKind::kCamera ? fmt::format(" and |x/z|, |y/z| < {:.0f}", resolution * kCellBias) : "",
       resolution));

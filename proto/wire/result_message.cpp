@@ -58,6 +58,18 @@ std::optional<codec::Placement> read_placement(const v1::Placement& message) {
   return good ? std::optional(placement) : std::nullopt;
 }
 
+std::string too_sparse(const Segmentation& segmentation, const SupervoxelOptions& used) {
+  constexpr double kLargest = 1;  // meters; larger voxels cannot be asked for
+  const double fitting = *segmentation.fitting_resolution;
+  std::string text = fmt::format(
+      "nearly every voxel holds a single point ({} points, {} voxels): the unit of the "
+      "coordinates (--unit) or voxel_resolution ({:g} m) is probably wrong; ",
+      segmentation.segmented_points, segmentation.voxels, used.voxel_resolution);
+  if (fitting > kLargest) return text + "even at 1 m the points would be too far apart";
+  return text + fmt::format("at {:g} m a voxel would hold four points or more, with a seed_resolution of {:g} m",
+                            fitting, fitting * used.seed_resolution / used.voxel_resolution);
+}
+
 /// What should be known about points that were left out, and about a resolution that does not fit.
 std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, const Options& options) {
   using codec::WarningReason;
@@ -71,19 +83,20 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, const 
     warnings.push_back({WarningReason::kPointsNotUsed, fmt::format("{} point{} far beyond the others {} not used", far,
                                                                    far == 1 ? "" : "s", far == 1 ? "is" : "are")});
   }
-  if (!segmentation.fitting_resolution) return warnings;
-  const double used = supervoxel_options(options).voxel_resolution, fitting = *segmentation.fitting_resolution;
-  constexpr double kPlausible = 1;  // meters; larger voxels than this cannot be asked for
-  std::string text =
-      fmt::format("nearly every voxel holds a single point ({} points, {} voxels): ", segmentation.segmented_points,
-                  segmentation.voxels);
-  text += fitting <= kPlausible
-              ? fmt::format(
-                    "the unit of the coordinates or voxel_resolution ({:g} m) is probably wrong; at {:g} m a voxel "
-                    "would hold about four points",
-                    used, fitting)
-              : std::string("the unit of the coordinates is probably wrong, as if millimeters were taken for meters");
-  warnings.push_back({WarningReason::kTooSparse, std::move(text)});
+  constexpr std::size_t kFewVoxels = 100, kManyPoints = 1000;
+  const SupervoxelOptions used = supervoxel_options(options);
+  if (segmentation.segmented_points == 0) {
+    warnings.push_back({WarningReason::kNoPoints,
+                        "no point was segmented: all of them are not finite, no measurements, or outside the crop box "
+                        "or the range"});
+  } else if (segmentation.segmented_points >= kManyPoints && segmentation.voxels < kFewVoxels) {
+    warnings.push_back({WarningReason::kTooDense,
+                        fmt::format("{} points lie in {} voxels: the unit of the coordinates (--unit) or "
+                                    "voxel_resolution ({:g} m) is probably wrong",
+                                    segmentation.segmented_points, segmentation.voxels, used.voxel_resolution)});
+  } else if (segmentation.fitting_resolution) {
+    warnings.push_back({WarningReason::kTooSparse, too_sparse(segmentation, used)});
+  }
   return warnings;
 }
 

@@ -20,11 +20,13 @@ struct ColorNames {
   ChannelKind kind;
 };
 
-constexpr std::array<ColorNames, 5> kColorNames{{
+constexpr std::array<ColorNames, 7> kColorNames{{
     {{"r", "g", "b"}, ChannelKind::kIntensity},
     {{"red", "green", "blue"}, ChannelKind::kIntensity},
     {{"diffuse_red", "diffuse_green", "diffuse_blue"}, ChannelKind::kIntensity},
     {{"color_r", "color_g", "color_b"}, ChannelKind::kIntensity},
+    {{"rf", "gf", "bf"}, ChannelKind::kIntensity},
+    {{"scalar_r", "scalar_g", "scalar_b"}, ChannelKind::kIntensity},
     {{"f_dc_0", "f_dc_1", "f_dc_2"}, ChannelKind::kSphericalHarmonic},
 }};
 

@@ -73,6 +73,10 @@ void to_file(const Placement& placement, Segmentation& segmentation) {
 FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label) {
   FileContent content{.cloud = file.cloud, .label = label, .attributes = file.attributes};
   content.cloud.view = to_file(file.placement, file.cloud.view);
+  // Everything in the file is in its unit.
+  if (auto& sensor = content.cloud.view.sensor) {
+    sensor = (sensor->cast<double>() / file.placement.meters_per_unit()).cast<float>();
+  }
   if (!file.file_position[0].empty()) content.position = &file.file_position;
   return content;
 }

@@ -28,7 +28,7 @@ void read_packed(const Column& column, StopCheck& check, std::vector<std::uint32
 
 /// The largest value that is finite, and whether all values are multiples of 256.
 struct ChannelRange {
-  double largest = 0;
+  double smallest = 0, largest = 0;
   bool multiples_of_256 = true;
 };
 
@@ -36,6 +36,7 @@ void extend(ChannelRange& range, const Column& column, std::size_t points, StopC
   for_each_value(column, points, check, [&range](std::size_t /*i*/, auto value) {
     const auto number = static_cast<double>(value);
     if (!std::isfinite(number)) return;
+    range.smallest = std::min(range.smallest, number);
     range.largest = std::max(range.largest, number);
     range.multiples_of_256 = range.multiples_of_256 && std::fmod(number, 256) == 0;
   });
@@ -67,7 +68,8 @@ void read_channel(const Column& column, unsigned shift, StopCheck& check, std::v
 /// Whether the values of the channel are bytes. Those of a signed type are the same eight bits.
 bool is_byte(const Column& column) { return size_of(column.type) == 1; }
 
-void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, StopCheck& check,
+/// `are_signed_bytes`: the file says that the channels are signed bytes. As text, their numbers have a wider type.
+void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, bool are_signed_bytes, StopCheck& check,
                    std::vector<std::uint32_t>& out) {
   constexpr std::array<unsigned, 3> kShifts{16, 8, 0};
   if (kind == ChannelKind::kIntensity && std::ranges::all_of(columns, is_byte)) {
@@ -82,6 +84,13 @@ void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, StopC
   if (kind == ChannelKind::kIntensity) {
     ChannelRange range;
     for (const Column& column : columns) extend(range, column, out.size(), check);
+    if (are_signed_bytes && range.smallest < 0 && range.largest <= 127) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        read_channel(columns[i], kShifts[i], check, out,
+                     [](auto value) { return std::uint32_t{static_cast<std::uint8_t>(static_cast<int>(value))}; });
+      }
+      return;
+    }
     scale = channel_scale(range, columns[0].type);
     offset = 0;
   } else if (kind == ChannelKind::kSixteenBits) {
@@ -130,7 +139,10 @@ void read_color(const PointTable& table, StopCheck& check, Cloud& cloud) {
     read_packed(table.column(*roles.packed), check, cloud.rgb);
   } else if (roles.channels) {
     const auto [red, green, blue] = *roles.channels;
-    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, check, cloud.rgb);
+    const auto is_signed_byte = [&](std::size_t field) { return table.fields[field].type == ScalarType::kInt8; };
+    const bool are_signed_bytes = is_signed_byte(red) && is_signed_byte(green) && is_signed_byte(blue);
+    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, are_signed_bytes,
+                  check, cloud.rgb);
   }
 }
 

@@ -118,6 +118,10 @@ absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence e
                                                          : meters_per_unit(options.unit);
   for (std::size_t axis = 0; axis < 3; ++axis) read_axis(columns[axis], scale, 0, check, *planes[axis]);
   evidence.given = options.view;
+  if (evidence.position) *evidence.position *= scale;
+  if (evidence.stated && evidence.stated->sensor) {
+    evidence.stated->sensor = (scale * evidence.stated->sensor->cast<double>()).cast<float>();
+  }
   ASSIGN_OR_RETURN(ViewChoice choice, choose_view(cloud, evidence, check));
 
   Placement& placement = out.placement;
@@ -134,7 +138,8 @@ absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence e
       if (offset != 0) read_axis(columns[axis], scale, offset, check, *planes[axis]);
     }
   }
-  if (choice.zeros_are_no_points) drop_zeros(check, out);
+  const bool is_at_origin = choice.sensor && choice.sensor->isZero(0);
+  if (is_at_origin) drop_zeros(check, out);
   if (options.keep_everything) keep_position(columns, check, out);
   cloud.view = {choice.kind, std::nullopt};
   if (choice.sensor) {

@@ -34,7 +34,7 @@ Range range_of(const Column& column, std::size_t points, StopCheck& check) {
 double guess_unit(const std::array<Column, 3>& columns, std::size_t points, StopCheck& check,
                   std::vector<Warning>& warnings) {
   constexpr double kFarApart = 0.7, kLarge = 100;
-  double extent = 0;
+  double extent = 0, farthest = 0;
   bool is_whole = true;
   Cloud cloud;
   cloud.resize(points, false);
@@ -42,13 +42,16 @@ double guess_unit(const std::array<Column, 3>& columns, std::size_t points, Stop
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const Range range = range_of(columns[axis], points, check);
     extent = std::max(extent, range.high - range.low);
+    farthest = std::max({farthest, std::abs(range.low), std::abs(range.high)});
     is_whole = is_whole && range.is_whole;
     for_each_value(columns[axis], points, check, [&, low = range.low](std::size_t i, auto value) {
       (*planes[axis])[i] = static_cast<float>(static_cast<double>(value) - low);
     });
   }
   const auto spacing = point_spacing(cloud, check);
-  const bool is_sparse = spacing && *spacing >= kFarApart;
+  // Coordinates of the earth are in meters, however far apart the points are.
+  constexpr double kEarth = 100'000;
+  const bool is_sparse = spacing && *spacing >= kFarApart && farthest < kEarth;
   const bool is_millimeters = is_sparse || (is_whole && extent > kLarge);
   warnings.push_back(
       {WarningReason::kUnitGuessed,

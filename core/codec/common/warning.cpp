@@ -12,13 +12,15 @@ struct Entry {
   std::string_view name;
 };
 
-constexpr std::array<Entry, 10> kReasons{{
+constexpr std::array<Entry, 12> kReasons{{
     {WarningReason::kColorNotUsed, "COLOR_NOT_USED"},
     {WarningReason::kLabelNotUsed, "LABEL_NOT_USED"},
     {WarningReason::kRowsNotUsed, "ROWS_NOT_USED"},
     {WarningReason::kPointsNotUsed, "POINTS_NOT_USED"},
     {WarningReason::kAttributeNotKept, "ATTRIBUTE_NOT_KEPT"},
     {WarningReason::kTooSparse, "TOO_SPARSE"},
+    {WarningReason::kTooDense, "TOO_DENSE"},
+    {WarningReason::kNoPoints, "NO_POINTS"},
     {WarningReason::kUnitGuessed, "UNIT_GUESSED"},
     {WarningReason::kImageDamaged, "IMAGE_DAMAGED"},
     {WarningReason::kColorMissing, "COLOR_MISSING"},

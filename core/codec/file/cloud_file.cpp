@@ -114,8 +114,13 @@ absl::StatusOr<LabeledCloud> decode_plain(std::span<const std::byte> bytes, cons
   const std::string_view file = as_text(bytes);
   if (const auto advice = advice_on_format(file)) return absl::InvalidArgumentError(*advice);
   const Format& format = format_of(file);
+  if (file.empty()) return absl::InvalidArgumentError("the file is empty");
   auto cloud = format.reader(bytes, limits, options, stop);
   if (cloud.ok()) cloud->format = format.name;
+  // No other format has claimed the file, so that it need not be meant as PCD.
+  if (absl::IsInvalidArgument(cloud.status()) && cloud.status().message().substr(0, 14) == "not a PCD file") {
+    return absl::InvalidArgumentError(fmt::format("{}; {} can be read", message_of(cloud.status()), kReadableFormats));
+  }
   return cloud;
 }
 

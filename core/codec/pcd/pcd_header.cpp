@@ -68,7 +68,7 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
     if (keyword == "COLUMNS") keyword = "FIELDS";  // The entry had this name before version 0.6.
     RETURN_IF_ERROR(check_keyword(keyword, line->number, entries));
     if (!line->terminated) break;
-    entries[keyword] = {line->number, split_words(text)};
+    entries[keyword] = {line->number, split_words(text.substr(0, text.find('#')))};
     if (keyword == "DATA") {
       header.body_offset = lines.offset();
       header.body_line = line->number + 1;

@@ -90,7 +90,7 @@ class TextValues {
   }
   bool begin_row() {
     std::optional<LineReader::Line> line = lines_.next();
-    while (line && is_blank(line->text)) line = lines_.next();
+    while (line && (is_blank(line->text) || is_comment(line->text))) line = lines_.next();
     if (!line) return explain("it ends too early");
     line_ = *line;
     return true;
@@ -129,6 +129,8 @@ class TextValues {
   }
 
  private:
+  static bool is_comment(std::string_view line) { return line.starts_with('#') || line.starts_with("comment "); }
+
   bool explain(std::string explanation) {
     explanation_ = std::move(explanation);
     return false;

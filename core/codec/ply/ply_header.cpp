@@ -172,7 +172,9 @@ std::vector<Field> fields_of(const PlyElement& element) {
 
 bool is_ply(std::string_view file) {
   file = without_byte_order_mark(file);
-  return file.starts_with("ply\n") || file.starts_with("ply\r");
+  if (!file.starts_with("ply")) return false;
+  const std::size_t end = file.find_first_not_of(" \t", 3);
+  return end != std::string_view::npos && (file[end] == '\n' || file[end] == '\r');
 }
 
 absl::StatusOr<PlyHeader> parse_ply_header(std::string_view file, const DecodeLimits& limits) {

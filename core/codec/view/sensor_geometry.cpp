@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace segserve::codec {
@@ -53,12 +54,11 @@ struct Variance {
   double spread() const { return count == 0 ? 0 : std::max(0.0, squares - sum * sum / static_cast<double>(count)); }
 };
 
-/// Whether a value of the points is nearly the same along each line: it differs much less there than among all points.
-/// Looks at some of the lines. Values that are not finite are left out.
+/// How much of the variance of a value is left within the lines: 0 if it is the same along each line. Looks at some of
+/// the lines. Values that are not finite are left out. nullopt if there are too few values, or they do not differ.
 template <typename Value>
-Agreement is_constant_along(const CloudView& cloud, const Lines& lines, StopCheck& check, Value value) {
+std::optional<double> share_within(const CloudView& cloud, const Lines& lines, StopCheck& check, Value value) {
   constexpr std::size_t kLines = 48;
-  constexpr double kShare = 0.01;
   Variance all;
   double within = 0;
   const std::size_t every = std::max<std::size_t>(1, lines.count / kLines);
@@ -73,8 +73,21 @@ Agreement is_constant_along(const CloudView& cloud, const Lines& lines, StopChec
     }
     within += one.spread();
   }
-  if (all.count < kFewest || all.spread() == 0) return Agreement::kUnknown;
-  return within <= kShare * all.spread() ? Agreement::kYes : Agreement::kNo;
+  if (all.count < kFewest || all.spread() == 0) return std::nullopt;
+  return within / all.spread();
+}
+
+constexpr double kConstant = 0.01;  // of the variance may be left within lines
+
+/// Whether x/z or y/z is the same along the lines, and more so than x or y, which is what a raster of heights has.
+Agreement are_pixels(const CloudView& cloud, const Lines& lines, int axis, StopCheck& check) {
+  constexpr double kExact = 1e-9;
+  const auto on_pixels = share_within(cloud, lines, check, [&](std::size_t i) { return on_image(cloud, i, axis); });
+  const auto on_raster =
+      share_within(cloud, lines, check, [&](std::size_t i) { return axis == 0 ? cloud.x[i] : cloud.y[i]; });
+  if (!on_pixels || !on_raster) return Agreement::kUnknown;
+  const bool is_flat = *on_pixels < kExact && *on_raster < kExact;
+  return *on_pixels <= kConstant && (is_flat || *on_pixels < *on_raster) ? Agreement::kYes : Agreement::kNo;
 }
 
 Agreement both(Agreement a, Agreement b) {
@@ -84,10 +97,11 @@ Agreement both(Agreement a, Agreement b) {
 
 bool are_rings(const CloudView& cloud, const Lines& lines, StopCheck& check) {
   constexpr float kSteepest = 10;  // Straight above and below, elevations say nothing.
-  return is_constant_along(cloud, lines, check, [&](std::size_t i) {
-           const float v = elevation(cloud, i);
-           return std::abs(v) < kSteepest ? v : NAN;
-         }) == Agreement::kYes;
+  const auto share = share_within(cloud, lines, check, [&](std::size_t i) {
+    const float v = elevation(cloud, i);
+    return std::abs(v) < kSteepest ? v : NAN;
+  });
+  return share && *share <= kConstant;
 }
 
 /// Values that are (nearly) the same.
@@ -99,8 +113,9 @@ struct Cluster {
 /// Divides values, which it sorts, into clusters that are much narrower than the gaps between them. Empty if there are
 /// no such clusters: then the values fill their range.
 std::vector<Cluster> find_clusters(std::vector<float>& values, StopCheck& check) {
-  constexpr std::size_t kMostClusters = 8192;
-  constexpr float kNarrow = 0.02F;  // of a mean gap
+  constexpr std::size_t kMostClusters = 2048;
+  constexpr float kNarrow = 0.05F;  // of a mean gap
+  constexpr float kInside = 0.08F;  // of the range, by all clusters together
   if (values.size() < kFewest || check.after(16 * values.size())) return {};
   std::ranges::sort(values);
   const float range = values.back() - values.front();
@@ -116,7 +131,7 @@ std::vector<Cluster> find_clusters(std::vector<float>& values, StopCheck& check)
       ++clusters.back().size;
     }
   }
-  if (inside > kNarrow * range) return {};
+  if (inside > kInside * range) return {};
   return clusters;
 }
 
@@ -173,8 +188,31 @@ std::vector<Cluster> clusters_of(const CloudView& cloud, StopCheck& check, Value
 bool has_pixel_values(const CloudView& cloud, int axis, StopCheck& check) {
   constexpr std::size_t kLeastSize = 4;
   constexpr double kShare = 0.9;
-  const auto clusters = clusters_of(cloud, check, [&](std::size_t i) { return on_image(cloud, i, axis); });
-  return are_filled(clusters, kLeastSize, kShare) && are_equidistant(clusters);
+  const auto pixels = clusters_of(cloud, check, [&](std::size_t i) { return on_image(cloud, i, axis); });
+  if (!are_filled(pixels, kLeastSize, kShare) || !are_equidistant(pixels)) return false;
+  // A raster of heights has as few values of x and y.
+  const auto raster = clusters_of(cloud, check, [&](std::size_t i) { return axis == 0 ? cloud.x[i] : cloud.y[i]; });
+  return raster.empty() || raster.size() > pixels.size();
+}
+
+/// Whether nearly all rings are circles around the z axis, as those of a body of revolution, and not of a room.
+bool are_circles(const CloudView& cloud, StopCheck& check, const std::vector<Cluster>& rings) {
+  constexpr float kRound = 0.02F;
+  constexpr double kShare = 0.8;
+  std::vector<float> least(rings.size(), HUGE_VALF), most(rings.size(), 0);
+  check.for_each(0, cloud.size(), [&](std::size_t i) {
+    if (!is_point(cloud, i)) return;
+    const auto after = std::ranges::upper_bound(rings, elevation(cloud, i), {}, &Cluster::first);
+    if (after == rings.begin()) return;
+    const auto ring = static_cast<std::size_t>(after - rings.begin()) - 1;
+    const float range = std::sqrt(cloud.x[i] * cloud.x[i] + cloud.y[i] * cloud.y[i]);
+    least[ring] = std::min(least[ring], range);
+    most[ring] = std::max(most[ring], range);
+  });
+  std::size_t circles = 0;
+  for (std::size_t ring = 0; ring < rings.size(); ++ring)
+    circles += most[ring] - least[ring] <= kRound * most[ring] ? 1 : 0;
+  return static_cast<double>(circles) >= kShare * static_cast<double>(rings.size());
 }
 
 }  // namespace
@@ -195,6 +233,8 @@ Extent extent_of(const CloudView& cloud, StopCheck& check) {
     ++extent.points;
     extent.in_front += p[2] > 0 ? 1U : 0U;
     extent.behind += p[2] < 0 ? 1U : 0U;
+    constexpr float kWidest = 1.3F;
+    extent.wide += std::max(std::abs(p[0]), std::abs(p[1])) > kWidest * std::abs(p[2]) ? 1U : 0U;
   });
   return extent;
 }
@@ -212,11 +252,9 @@ bool is_behind_origin(const CloudView& cloud, StopCheck& check) {
 
 Agreement follows_pixels(const CloudView& cloud, StopCheck& check) {
   const Lines rows = Lines::rows(cloud), columns = Lines::columns(cloud);
-  const auto along = [&](const Lines& lines, int axis) {
-    return is_constant_along(cloud, lines, check, [&](std::size_t i) { return on_image(cloud, i, axis); });
-  };
-  const Agreement upright = both(along(columns, 0), along(rows, 1));
-  return upright == Agreement::kNo ? both(along(rows, 0), along(columns, 1)) : upright;
+  const Agreement upright = both(are_pixels(cloud, columns, 0, check), are_pixels(cloud, rows, 1, check));
+  if (upright != Agreement::kNo) return upright;
+  return both(are_pixels(cloud, rows, 0, check), are_pixels(cloud, columns, 1, check));
 }
 
 bool follows_rings(const CloudView& cloud, StopCheck& check) {
@@ -234,7 +272,8 @@ bool has_pixel_values(const CloudView& cloud, const Extent& extent, StopCheck& c
 bool has_ring_values(const CloudView& cloud, StopCheck& check) {
   constexpr std::size_t kLeastSize = 24;
   constexpr double kShare = 0.95;
-  return are_filled(clusters_of(cloud, check, [&](std::size_t i) { return elevation(cloud, i); }), kLeastSize, kShare);
+  const auto rings = clusters_of(cloud, check, [&](std::size_t i) { return elevation(cloud, i); });
+  return are_filled(rings, kLeastSize, kShare) && !are_circles(cloud, check, rings);
 }
 
 bool has_horizontal_plane(const CloudView& cloud, const Extent& extent, StopCheck& check) {

@@ -13,11 +13,14 @@ namespace segserve::codec {
 /// How many points lie before and behind the plane z = 0, and the box that holds them.
 struct Extent {
   std::size_t points = 0, in_front = 0, behind = 0;
+  std::size_t wide = 0;   ///< points more than 52 degrees aside of the z axis, as few cameras see
   std::size_t zeros = 0;  ///< points at the origin, which do not count in the others
   float low[3] = {}, high[3] = {};
 
   /// Whether (nearly) all points are in front, or behind: one in a hundred may be a fault of the sensor.
   bool is_in_front() const { return points > 0 && points - in_front <= points / 100; }
+  /// Whether (nearly) all points can be within what a camera sees that looks along z.
+  bool is_in_frustum() const { return is_in_front() && wide <= points / 100; }
   bool is_behind() const { return points > 0 && points - behind <= points / 100; }
 };
 Extent extent_of(const CloudView& cloud, StopCheck& check);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "core/codec/common/text_parsing.hpp"
@@ -25,7 +26,6 @@ ViewChoice camera(bool is_behind, std::string reason) {
 ViewChoice sweep(std::string_view lines) {
   return {
       .sensor = Eigen::Vector3d::Zero(),
-      .zeros_are_no_points = true,
       .rule = fmt::format("WORLD with the sensor at the origin, because the points lie on {} of constant elevation, "
                           "as those of a spinning LiDAR",
                           lines)};
@@ -55,12 +55,25 @@ bool is_inside(const Extent& e) {
   return inside;
 }
 
-/// Whether the origin is below points that lie on a horizontal plane, so that it cannot be the sensor that saw them.
+/// Whether the origin is so far from the points that no sensor there has seen them.
+bool is_far_away(const Extent& e) {
+  constexpr float kDiagonals = 10;
+  float distance = 0, diagonal = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float outside = std::max({e.low[axis], -e.high[axis], 0.0F});
+    distance += outside * outside;
+    diagonal += (e.high[axis] - e.low[axis]) * (e.high[axis] - e.low[axis]);
+  }
+  return distance > kDiagonals * kDiagonals * diagonal;
+}
+
+/// Whether the origin is below the points, so that it cannot be the sensor that saw them: they lie on a horizontal
+/// plane, or reach farther aside than a camera sees that looks up.
 bool is_below(const CloudView& cloud, const Extent& e, StopCheck& check) {
   for (int axis = 0; axis < 2; ++axis) {
     if (e.low[axis] > 0 || e.high[axis] < 0) return false;
   }
-  return e.low[2] >= 0 && has_horizontal_plane(cloud, e, check);
+  return e.low[2] >= 0 && (!e.is_in_frustum() || has_horizontal_plane(cloud, e, check));
 }
 
 /// By the position that an entry of the file has, or by the lack of one.
@@ -74,6 +87,7 @@ ViewChoice by_entry(const CloudView& cloud, const ViewEvidence& evidence, const 
                     "cloud ({}) row by row",
                     evidence.entry, shape_text(cloud)));
   }
+  if (is_far_away(extent)) return no_sensor(fmt::format("its {} is the default, far from the points", evidence.entry));
   if (is_inside(extent)) return no_sensor(fmt::format("its {} is the default, inside the points", evidence.entry));
   if (is_below(cloud, extent, check)) {
     return no_sensor(fmt::format("its {} is the default, below the points", evidence.entry));
@@ -100,7 +114,7 @@ ViewChoice by_values(const CloudView& cloud, const ViewEvidence& evidence, const
     return camera(extent.is_behind(), ": the points lie on the rays of a camera's pixels");
   }
   const bool is_moved = evidence.position && *evidence.position != Eigen::Vector3d::Zero();
-  if (!is_moved && has_ring_values(cloud, check)) return sweep("rings");
+  if (!is_moved && !is_far_away(extent) && has_ring_values(cloud, check)) return sweep("rings");
   return by_entry(cloud, evidence, extent, check);
 }
 
@@ -108,6 +122,9 @@ ViewChoice choose(const CloudView& cloud, const ViewEvidence& evidence, StopChec
   if (evidence.given) return named(cloud, *evidence.given, "asked for", check);
   if (evidence.stated) return named(cloud, *evidence.stated, "the file says", check);
   const Extent extent = extent_of(cloud, check);
+  if (extent.points == 0 && extent.zeros > 0 && cloud.height > 1) {
+    return camera(false, ": the cloud is organized, and no pixel has a depth");
+  }
   if (extent.points == 0) return no_sensor("there are no points to judge by");
   return cloud.height > 1 ? by_rows(cloud, evidence, extent, check) : by_values(cloud, evidence, extent, check);
 }

@@ -16,7 +16,8 @@
 // points have a say.
 namespace segserve::codec {
 
-/// What a file, or its reader, says of the sensor. Positions are in meters along the axes of the file.
+/// What a file, or its reader, says of the sensor. Positions are in meters along the axes of the file; read_positions
+/// takes those of the file in the file's unit.
 struct ViewEvidence {
   std::optional<View> given = std::nullopt;   ///< by the reader of the file, who is believed
   std::optional<View> stated = std::nullopt;  ///< by the file, in the words of view_statement
@@ -33,7 +34,6 @@ struct ViewChoice {
   ViewKind kind = ViewKind::kWorld;
   std::optional<Eigen::Vector3d> sensor = std::nullopt;  ///< in meters along the axes of the file; WORLD only
   bool y_and_z_are_reversed = false;  ///< a camera's frame with y up and z backward, as OpenGL has it
-  bool zeros_are_no_points = false;   ///< points at the origin, where the sensor is, are measurements that failed
   std::string rule = {};              ///< LabeledCloud::view_rule
 };
 
@@ -50,7 +50,7 @@ struct ViewChoice {
 ///     take few values.
 ///  5. A position that the file gives, and that is not (0, 0, 0), is that of the sensor: WORLD.
 ///  6. A sensor at the origin, if the format has an entry for it, is believed unless the cloud is organized, or the
-///     origin lies inside the points' bounding box or below a horizontal plane of points: WORLD.
+///     origin lies inside the points' bounding box or below them: WORLD.
 ///  7. Else WORLD without a sensor.
 ///
 /// Points at (0, 0, 0) are ignored. CANCELLED, DEADLINE_EXCEEDED.

@@ -16,6 +16,8 @@ enum class WarningReason : std::uint8_t {
   kPointsNotUsed,
   kAttributeNotKept,  ///< values that mean nothing to the segmentation, and will not go out again
   kTooSparse,         ///< nearly every voxel holds a single point: the unit or the voxel resolution is probably wrong
+  kTooDense,          ///< thousands of points lie in a few voxels: the unit or the voxel resolution is probably wrong
+  kNoPoints,          ///< no point was segmented
   kUnitGuessed,       ///< the unit of the coordinates was guessed, as asked for
   kImageDamaged,      ///< bytes of an image are damaged or missing
   kColorMissing,      ///< points that the color image does not show

@@ -74,7 +74,7 @@ TEST_F(CloudFile, FaultsNameTheFile) {
   std::ofstream(path("bad.pcd")) << "FIELDS x y\n";
   expect_fault(load_cloud(path("bad.pcd")).status(), path("bad.pcd") + ": PCD header: it ends without a line DATA");
   std::ofstream(path("empty.pcd")).flush();
-  expect_fault(load_cloud(path("empty.pcd")).status(), path("empty.pcd") + ": not a PCD file");
+  expect_fault(load_cloud(path("empty.pcd")).status(), path("empty.pcd") + ": the file is empty");
   expect_over_limit(load_cloud(path("bad.pcd"), {}, {.max_bytes = 5}).status(), "max_bytes",
                     "it has more bytes than the limit of 5");
   expect_fault(save_cloud(path("cloud.stl"), Cloud{}, {}),

@@ -90,6 +90,21 @@ TEST(KeptValues, WordsThatAreNoNumbersAreMentioned) {
   }
 }
 
+TEST(KeptValues, TheSensorIsInTheUnitOfTheFile) {
+  const std::string file =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 500 250 1300 1 0 0 0\nDATA ascii\n"
+      "0 0 0\n100 200 300\n";
+  const ReadOptions millimeters{.unit = LengthUnit::kMillimeter, .keep_everything = true};
+  const auto first = decode_cloud(std::as_bytes(std::span(file)), {}, millimeters);
+  ASSERT_TRUE(first.ok()) << first.status();
+  EXPECT_TRUE(first->cloud.view.sensor->isApprox(Eigen::Vector3f(0.5F, 0.25F, 1.3F)));
+  const std::string written = encode_pcd(content_of(*first, {}), PcdEncoding::kAscii);
+  EXPECT_THAT(written, HasSubstr("VIEWPOINT 500 250 1300 "));
+  const auto again = decode_cloud(std::as_bytes(std::span(written)), {}, millimeters);
+  ASSERT_TRUE(again.ok()) << again.status();
+  EXPECT_TRUE(again->cloud.view.sensor->isApprox(*first->cloud.view.sensor));
+}
+
 TEST(KeptValues, EveryViewSurvives) {
   Cloud cloud;
   cloud.x = {1, 2}, cloud.y = {3, 4}, cloud.z = {5, 6};

@@ -175,6 +175,12 @@ TEST(PcdFields, TextOfExtremeNumbers) {
   EXPECT_THAT(odd.z, ElementsAre(-infinity));
 }
 
+TEST(PcdFields, SignedBytesInTextMayBeBelowZero) {
+  const std::string file =
+      header("x y z r g b", "4 4 4 1 1 1", "F F F I I I", "1 1 1 1 1 1", 1, "ascii") + "1 2 3 -106 110 70";
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(pack_rgb(150, 110, 70)));
+}
+
 struct ViewCase {
   std::uint32_t height;
   std::string viewpoint;

@@ -134,7 +134,6 @@ TEST(ViewChoice, SweepsOfALidarAreSeenFromTheOrigin) {
     const ViewChoice choice = choose(cloud, viewpoint(0, 0, 0));
     EXPECT_EQ(choice.kind, ViewKind::kWorld);
     EXPECT_EQ(choice.sensor, Eigen::Vector3d(0, 0, 0)) << choice.rule;
-    EXPECT_TRUE(choice.zeros_are_no_points);
     EXPECT_EQ(choose(cloud).sensor, Eigen::Vector3d(0, 0, 0)) << "whatever the format";
   }
 }
@@ -145,6 +144,52 @@ TEST(ViewChoice, ADefaultPositionIsBelievedOnlyOutside) {
   EXPECT_EQ(choose(table(0, 3, -1), viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0)) << "above, aside";
   EXPECT_FALSE(choose(table(0, 3, -1)).sensor) << "a format that has no entry for it";
   EXPECT_EQ(choose(table(0, 0, 0), viewpoint(0, 0, 2)).sensor, Eigen::Vector3d(0, 0, 2));
+}
+
+/// Heights on a raster of 50 x 40 points, z up, all above 0.
+Cloud raster() {
+  Cloud cloud;
+  cloud.width = 50;
+  cloud.height = 40;
+  for (int v = 0; v < 40; ++v) {
+    for (int u = 0; u < 50; ++u) {
+      const bool box = u > 20 && u < 35 && v > 10 && v < 25;
+      add(cloud, 0.01F * static_cast<float>(u - 25), 0.01F * static_cast<float>(v - 20), box ? 1.25F : 1.0F);
+    }
+  }
+  return cloud;
+}
+
+TEST(ViewChoice, ARasterOfHeightsIsNoCamera) {
+  EXPECT_EQ(choose(raster()).kind, ViewKind::kWorld);
+  EXPECT_EQ(choose(shuffled(raster())).kind, ViewKind::kWorld);
+}
+
+TEST(ViewChoice, ABodyOfRevolutionIsNoSweep) {
+  Cloud cylinder;
+  for (int ring = 0; ring < 20; ++ring) {
+    for (int step = 0; step < 60; ++step) {
+      const float angle = 0.104719755F * static_cast<float>(step);
+      add(cylinder, std::cos(angle), std::sin(angle), 0.1F * static_cast<float>(ring - 10));
+    }
+  }
+  cylinder.width = 1200;
+  cylinder.height = 1;
+  EXPECT_FALSE(choose(cylinder).sensor) << choose(cylinder).rule;
+}
+
+TEST(ViewChoice, NoSensorIsFarFromWhatItSaw) {
+  Cloud cloud = table(0, 0, 0);
+  for (float& x : cloud.x) x += 1000;
+  EXPECT_FALSE(choose(cloud, viewpoint(0, 0, 0)).sensor);
+}
+
+TEST(ViewChoice, AFrameWithoutAnyDepthIsACameras) {
+  Cloud cloud;
+  cloud.x = cloud.y = cloud.z = std::vector<float>(12, 0);
+  cloud.width = 4;
+  cloud.height = 3;
+  EXPECT_TRUE(is_camera(choose(cloud, viewpoint(0, 0, 0))));
 }
 
 TEST(ViewChoice, WhatIsGivenOrStatedWins) {
