@@ -184,8 +184,11 @@ void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fiel
   }
 }
 
-absl::Status read_points(const PointTable& table, const ViewEvidence& evidence, const ReadOptions& options,
+absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,
                          const StopToken& stop, LabeledCloud& out) {
+  PointTable table = given;
+  // Without points there may be no bytes for a column to begin at.
+  if (table.points() == 0) table.column = [](std::size_t) { return Column(); };
   const FieldRoles& roles = table.roles;
   out.cloud.resize(table.points(), roles.has_color());
   out.cloud.width = table.width;

@@ -38,7 +38,7 @@ void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fiel
 /// low 32 bits of an integer, or all of a float, are a packed color. Labels that the file has become the attribute
 /// `input_label`, too, because files that are written from it have other labels. Adds warnings. CANCELLED,
 /// DEADLINE_EXCEEDED.
-absl::Status read_points(const PointTable& table, const ViewEvidence& evidence, const ReadOptions& options,
+absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,
                          const StopToken& stop, LabeledCloud& out);
 
 }  // namespace segserve::codec

@@ -71,5 +71,19 @@ TEST(PointColumns, LabelsThatAreNoneAreLeftOutAndMentioned) {
   EXPECT_EQ(out.warnings[0].reason, WarningReason::kLabelNotUsed);
 }
 
+TEST(PointColumns, ATableWithoutPointsIsAskedForNoColumn) {
+  PointTable table{.fields = {{"x"}}, .roles = {}, .width = 0, .height = 1, .column = {}};
+  table.roles.position = {0, 0, 0};
+  bool is_asked = false;
+  table.column = [&is_asked](std::size_t) {
+    is_asked = true;
+    return Column();
+  };
+  LabeledCloud out;
+  ASSERT_TRUE(read_points(table, {}, {.keep_everything = true}, {}, out).ok());
+  EXPECT_FALSE(is_asked);
+  EXPECT_EQ(out.cloud.size(), 0U);
+}
+
 }  // namespace
 }  // namespace segserve::codec
