@@ -15,8 +15,8 @@ bool is_connection_error(const absl::Status& status, const wire::ErrorDetails& d
   return candidate && details.reason == wire::ErrorReason::kUnspecified;
 }
 
-/// What gRPC says of a connection that could not be made, without the names of its parts around it: "connections to all
-/// backends failing; last error: UNKNOWN: ipv4:127.0.0.1:1: Failed to connect to remote host: Connection refused" is
+/// The cause of a failed connection alone, without the names of gRPC's parts around it: "connections to all backends
+/// failing; last error: UNKNOWN: ipv4:127.0.0.1:1: Failed to connect to remote host: Connection refused" is
 /// "Connection refused".
 std::string cause_of(const std::string& message) {
   const bool is_wordy = message.starts_with("connections to all backends failing") ||

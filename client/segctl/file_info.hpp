@@ -19,7 +19,7 @@ absl::StatusOr<nlohmann::ordered_json> file_info(const std::string& path, codec:
 /// has_frames. Errors are those of client::list_topics.
 absl::StatusOr<nlohmann::ordered_json> recording_info(const std::string& path);
 
-/// The same for people.
+/// Either of them as a few lines for people.
 std::string file_info_text(const nlohmann::ordered_json& info);
 std::string recording_info_text(const nlohmann::ordered_json& info);
 

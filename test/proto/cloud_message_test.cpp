@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gmock/gmock.h"
+#include "proto/wire/codec_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 #include "segserve/codec/pcd.hpp"
@@ -189,6 +190,36 @@ TEST(WireCloud, ShapeOfARequestMustAgreeWithThePcdFile) {
   EXPECT_TRUE(decode_cloud(message, kLimits).ok());
   message.set_height(3);
   EXPECT_EQ(reason_of(message), ErrorReason::kInvalidField);
+}
+
+TEST(WireCloud, CoordinatesInAnotherUnitBecomeMeters) {
+  Cloud millimeters = small_cloud();
+  millimeters.view = View::world(0, 0, 2);
+  for (const auto& encode : {CodecOptions{}, CodecOptions{.codec = Codec::kPlanarZstd},
+                             CodecOptions{.codec = Codec::kStrided}, CodecOptions{.codec = Codec::kPcd}}) {
+    v1::Cloud message = to_message(millimeters, encode).value();
+    message.set_unit(v1::LENGTH_UNIT_MILLIMETER);
+    const auto decoded = decode_cloud(message, kLimits);
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    EXPECT_EQ(decoded->placement.meters_per_unit(), 0.001);
+    for (std::size_t i = 0; i < millimeters.size(); ++i) {
+      if (!std::isfinite(millimeters.x[i])) continue;
+      EXPECT_FLOAT_EQ(decoded->cloud->x[i], 0.001F * millimeters.x[i]);
+    }
+    EXPECT_EQ(decoded->cloud->view, millimeters.view) << "the view of a message is in meters";
+  }
+}
+
+TEST(WireCloud, UnitsAreChecked) {
+  v1::Cloud unknown = planar();
+  unknown.set_unit(static_cast<v1::LengthUnit>(77));
+  EXPECT_THAT(wrong_fields(unknown), testing::ElementsAre("cloud.unit"));
+  v1::Cloud images;
+  images.mutable_rgbd();
+  images.set_unit(v1::LENGTH_UNIT_METER);
+  EXPECT_THAT(wrong_fields(images), testing::ElementsAre("cloud.unit"));
+  for (const codec::LengthUnit unit : codec::length_units()) EXPECT_EQ(from_message(to_message(unit)), unit);
+  EXPECT_EQ(from_message(to_message(codec::LengthUnit::kAuto)), codec::LengthUnit::kAuto);
 }
 
 }  // namespace

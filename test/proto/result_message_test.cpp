@@ -99,6 +99,49 @@ TEST(WireResult, TellsTheSupportPlane) {
   }
 }
 
+TEST(WireResult, IsInTheCoordinatesOfThePayload) {
+  Result result = small_result();
+  const Eigen::Vector3d centroid = result.segmentation.statistics[0].centroid;
+  const codec::Placement placement{{0.001, -0.001, -0.001}, {1000, 2000, 0}};
+  take_payload_facts(placement, {{codec::WarningReason::kColorNotUsed, "first"}}, result);
+  const auto read = from_message(to_message(result, kEverything).value(), 6);
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_EQ(read->placement, placement);
+  EXPECT_TRUE(read->segmentation.statistics[0].centroid.isApprox(placement.to_file(centroid)));
+  EXPECT_EQ(read->warnings.at(0).message, "first");
+}
+
+TEST(WireResult, APlacementThatIsNoneIsRefused) {
+  v1::SegmentationResult message = small_message();
+  message.mutable_summary()->mutable_placement()->mutable_scale()->set_x(1);
+  EXPECT_THAT(refusal(message), testing::HasSubstr("placement"));
+}
+
+TEST(WireResult, TellsWhatIsProbablyWrong) {
+  const auto reasons = [](const Segmentation& segmentation) {
+    std::vector<codec::WarningReason> all;
+    Cloud cloud;
+    for (const codec::Warning& warning : make_result(segmentation, cloud, {}, "", "").warnings) {
+      all.push_back(warning.reason);
+    }
+    return all;
+  };
+  using codec::WarningReason;
+  Segmentation good;
+  good.segmented_points = 5000;
+  good.voxels = 1000;
+  EXPECT_THAT(reasons(good), testing::IsEmpty());
+  Segmentation odd = good;
+  odd.zero_points = 1;
+  odd.points_beyond_grid = 2;
+  odd.fitting_resolution = 0.5;
+  EXPECT_THAT(reasons(odd), testing::ElementsAre(WarningReason::kPointsNotUsed, WarningReason::kPointsNotUsed,
+                                                 WarningReason::kTooSparse));
+  good.voxels = 3;
+  EXPECT_THAT(reasons(good), testing::ElementsAre(WarningReason::kTooDense));
+  EXPECT_THAT(reasons(Segmentation()), testing::ElementsAre(WarningReason::kNoPoints));
+}
+
 TEST(WireResult, HoldsOnlyWhatWasAskedFor) {
   const auto message = to_message(small_result(), {.labels = false, .supervoxels = false, .tree = true});
   EXPECT_FALSE(message->has_labels());

@@ -57,7 +57,7 @@ absl::StatusOr<DepthImage> convert_pixels(const RawImage& image, const codec::De
   return depth;
 }
 
-/// Of a depth in meters, compressedDepth keeps a / depth + b as a whole number.
+/// The numbers by which compressedDepth keeps a depth in meters: as a / depth + b, a whole number.
 struct InverseDepth {
   float a = 0, b = 0;
 };

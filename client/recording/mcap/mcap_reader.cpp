@@ -15,10 +15,6 @@
 namespace segserve::recording {
 namespace {
 
-/// The most that all schemas and channels of a file may have together. Real ones have some ten kB.
-constexpr std::uint64_t kMaxDefinitionBytes = std::uint64_t{64} << 20U;
-constexpr std::size_t kMaxWarnings = 20;
-
 /// Whether a record of a file is read into memory. The others are skipped, however long they are.
 bool is_used(std::uint8_t opcode) {
   return opcode == kSchema || opcode == kChannel || opcode == kMessage || opcode == kChunk || opcode == kAttachment ||
@@ -44,32 +40,8 @@ absl::Status McapReader::read_header() {
   return absl::OkStatus();
 }
 
-void McapReader::warn(std::string message) {
-  if (warnings_.size() == kMaxWarnings) message = "there is more damage than is told here";
-  if (warnings_.size() <= kMaxWarnings) warnings_.push_back({codec::WarningReason::kRowsNotUsed, std::move(message)});
-}
-
-absl::StatusOr<std::optional<Item>> McapReader::next(const StopToken& stop) {
-  std::optional<Item> item;
-  while (!item) {
-    RETURN_IF_ERROR(stop.check());
-    if (!rest_of_chunk_.empty()) {
-      ASSIGN_OR_RETURN(const bool whole, read_record_of_chunk(item));
-      if (whole) continue;
-      warn(fmt::format("the chunk at byte {} is damaged behind its byte {}: what follows in it is left out", chunk_at_,
-                       chunk_.size() - rest_of_chunk_.size()));
-      rest_of_chunk_ = {};
-    } else {
-      if (at_end_) return std::nullopt;
-      ASSIGN_OR_RETURN(const bool more, read_record(stop, item));
-      at_end_ = !more;
-    }
-  }
-  return item;
-}
-
-absl::StatusOr<bool> McapReader::read_record_of_chunk(std::optional<Item>& item) {
-  const auto record = take_record(rest_of_chunk_);
+absl::StatusOr<bool> McapReader::take_record_of_chunk(std::string_view& records, std::optional<Item>& item) {
+  const auto record = take_record(records);
   if (!record) return false;
   if (record->opcode == kChunk) return true;  // Chunks within chunks are not allowed.
   return take(*record, item);
@@ -98,23 +70,19 @@ absl::StatusOr<bool> McapReader::read_record(const StopToken& stop, std::optiona
     RETURN_IF_ERROR(file_.seek(file_.offset() + length));
     return true;
   }
-  if (length > limits_.max_bytes) {
-    return codec::over_limit(
-        fmt::format("the record at byte {} has {} bytes, above the limit of {}", at, length, limits_.max_bytes),
-        {"max_bytes", length, limits_.max_bytes});
-  }
+  RETURN_IF_ERROR(check_size("record", at, length));
   RETURN_IF_ERROR(file_.read(length, record_));
   if (opcode == kChunk) {
     RETURN_IF_ERROR(open_chunk(record_, at, stop));
     return true;
   }
   ASSIGN_OR_RETURN(const bool whole, take({opcode, record_}, item));
-  if (!whole) warn(fmt::format("the record at byte {} is damaged and left out", at));
+  if (!whole) warn_of_damaged("record", at);
   return true;
 }
 
 absl::Status McapReader::read_cut_off_record(Record head, std::uint64_t at, const StopToken& stop) {
-  warn(fmt::format("the file ends within the record at byte {}, as after a crash: it is read up to there", at));
+  warn_of_end_within_record(at);
   if (head.opcode != kChunk || file_.left() > limits_.max_bytes) return absl::OkStatus();
   RETURN_IF_ERROR(file_.read(file_.left(), record_));
   return open_chunk(record_, at, stop);
@@ -123,16 +91,11 @@ absl::Status McapReader::read_cut_off_record(Record head, std::uint64_t at, cons
 absl::Status McapReader::open_chunk(std::string_view content, std::uint64_t at, const StopToken& stop) {
   const auto chunk = parse_chunk(content);
   if (!chunk) {
-    warn(fmt::format("the chunk at byte {} is damaged and left out", at));
+    warn_of_damaged("chunk", at);
     return absl::OkStatus();
   }
-  if (chunk->size > limits_.max_bytes) {
-    return codec::over_limit(
-        fmt::format("the chunk at byte {} has {} bytes, above the limit of {}", at, chunk->size, limits_.max_bytes),
-        {"max_bytes", chunk->size, limits_.max_bytes});
-  }
+  RETURN_IF_ERROR(check_size("chunk", at, chunk->size));
   ASSIGN_OR_RETURN(Decompressed records, decompress(chunk->compression, chunk->records, chunk->size, stop));
-  chunk_at_ = at;
   if (records.complete) {
     const std::uint32_t crc = chunk->crc == 0 ? 0 : crc32(0, records.bytes);
     if (crc != chunk->crc) {
@@ -146,8 +109,7 @@ absl::Status McapReader::open_chunk(std::string_view content, std::uint64_t at, 
                     at, chunk->size));
     return absl::OkStatus();
   }
-  chunk_ = std::move(records.bytes);
-  rest_of_chunk_ = chunk_;
+  open_records(std::move(records.bytes), at);
   return absl::OkStatus();
 }
 
@@ -178,13 +140,6 @@ absl::StatusOr<bool> McapReader::take(const Record& record, std::optional<Item>&
     default:
       return true;
   }
-}
-
-absl::Status McapReader::count_definition(std::uint64_t bytes) {
-  definition_bytes_ += bytes;
-  if (definition_bytes_ <= kMaxDefinitionBytes) return absl::OkStatus();
-  return codec::over_limit(fmt::format("schemas and channels have more than {} bytes", kMaxDefinitionBytes),
-                           {"max_bytes", definition_bytes_, kMaxDefinitionBytes});
 }
 
 // Writers repeat definitions in every chunk; equal ones cost nothing.

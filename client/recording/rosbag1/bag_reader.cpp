@@ -13,10 +13,9 @@
 namespace segserve::recording {
 namespace {
 
-/// The most that the definitions of all connections, or the index of a bag, may have.
+/// The most that the index of a bag may have.
 constexpr std::uint64_t kMaxIndexBytes = std::uint64_t{64} << 20U;
 constexpr std::uint32_t kMaxHeadBytes = 1U << 20U;
-constexpr std::size_t kMostWarnings = 20;
 
 bool is_read(std::uint8_t op) { return op == kBagMessage || op == kBagChunk || op == kBagConnection; }
 
@@ -55,32 +54,10 @@ absl::StatusOr<std::unique_ptr<MessageSource>> BagReader::open(RecordingFile fil
   return reader;
 }
 
-void BagReader::warn(std::string message) {
-  if (warnings_.size() == kMostWarnings) message = "there is more damage than is told here";
-  if (warnings_.size() <= kMostWarnings) warnings_.push_back({codec::WarningReason::kRowsNotUsed, std::move(message)});
-}
-
-absl::StatusOr<std::optional<Item>> BagReader::next(const StopToken& stop) {
-  std::optional<Item> item;
-  while (!item) {
-    RETURN_IF_ERROR(stop.check());
-    if (!rest_of_chunk_.empty()) {
-      const auto record = take_bag_record(rest_of_chunk_);
-      bool is_whole = record.has_value();
-      if (record) {
-        ASSIGN_OR_RETURN(is_whole, take(*record, item));
-      }
-      if (is_whole) continue;
-      warn(fmt::format("the chunk at byte {} is damaged behind its byte {}: what follows in it is left out", chunk_at_,
-                       chunk_.size() - rest_of_chunk_.size()));
-      rest_of_chunk_ = {};
-    } else {
-      if (at_end_) return std::nullopt;
-      ASSIGN_OR_RETURN(const bool more, read_record(stop, item));
-      at_end_ = !more;
-    }
-  }
-  return item;
+absl::StatusOr<bool> BagReader::take_record_of_chunk(std::string_view& records, std::optional<Item>& item) {
+  const auto record = take_bag_record(records);
+  if (!record) return false;
+  return take(*record, item);
 }
 
 absl::StatusOr<std::optional<BagFields>> BagReader::read_head(std::uint32_t& data_bytes) {
@@ -112,25 +89,21 @@ absl::StatusOr<bool> BagReader::read_record(const StopToken& stop, std::optional
   const std::uint8_t op = bag_op(*fields);
   const bool is_whole = bytes <= file_.left();
   if (!is_whole) {
-    warn(fmt::format("the file ends within the record at byte {}, as after a crash: it is read up to there", at));
+    warn_of_end_within_record(at);
     if (op != kBagChunk) return false;
   }
   if (!is_read(op)) {
     RETURN_IF_ERROR(file_.seek(file_.offset() + bytes));
     return true;
   }
-  if (bytes > limits_.max_bytes) {
-    return codec::over_limit(
-        fmt::format("the record at byte {} has {} bytes, above the limit of {}", at, bytes, limits_.max_bytes),
-        {"max_bytes", bytes, limits_.max_bytes});
-  }
+  RETURN_IF_ERROR(check_size("record", at, bytes));
   RETURN_IF_ERROR(file_.read(is_whole ? bytes : file_.left(), data_));
   if (op == kBagChunk) {
     RETURN_IF_ERROR(open_chunk(*fields, at, stop));
     return is_whole;
   }
   ASSIGN_OR_RETURN(const bool taken, take({*std::move(fields), data_}, item));
-  if (!taken) warn(fmt::format("the record at byte {} is damaged and left out", at));
+  if (!taken) warn_of_damaged("record", at);
   return true;
 }
 
@@ -138,23 +111,17 @@ absl::Status BagReader::open_chunk(const BagFields& fields, std::uint64_t at, co
   const auto size = bag_number(fields, "size", sizeof(std::uint32_t));
   const auto compression = fields.find("compression");
   if (!size || compression == fields.end()) {
-    warn(fmt::format("the chunk at byte {} is damaged and left out", at));
+    warn_of_damaged("chunk", at);
     return absl::OkStatus();
   }
-  if (*size > limits_.max_bytes) {
-    return codec::over_limit(
-        fmt::format("the chunk at byte {} has {} bytes, above the limit of {}", at, *size, limits_.max_bytes),
-        {"max_bytes", *size, limits_.max_bytes});
-  }
+  RETURN_IF_ERROR(check_size("chunk", at, *size));
   ASSIGN_OR_RETURN(Decompressed records, decompress(compression->second, data_, *size, stop));
   if (!records.complete) {
     warn(fmt::format(
         "the chunk at byte {} does not decompress to the {} bytes that it claims: only its beginning is read", at,
         *size));
   }
-  chunk_at_ = at;
-  chunk_ = std::move(records.bytes);
-  rest_of_chunk_ = chunk_;
+  open_records(std::move(records.bytes), at);
   return absl::OkStatus();
 }
 
@@ -175,12 +142,9 @@ absl::StatusOr<bool> BagReader::take(const BagRecord& record, std::optional<Item
 
 absl::Status BagReader::keep(BagConnection connection) {
   if (definitions_.channels.contains(connection.number)) return absl::OkStatus();
-  definition_bytes_ += connection.schema.name.size() + connection.schema.data.size() + connection.channel.topic.size();
-  for (const auto& [key, value] : connection.channel.metadata) definition_bytes_ += key.size() + value.size();
-  if (definition_bytes_ > kMaxIndexBytes) {
-    return codec::over_limit(fmt::format("connections have more than {} bytes", kMaxIndexBytes),
-                             {"max_bytes", definition_bytes_, kMaxIndexBytes});
-  }
+  std::uint64_t bytes = connection.schema.name.size() + connection.schema.data.size() + connection.channel.topic.size();
+  for (const auto& [key, value] : connection.channel.metadata) bytes += key.size() + value.size();
+  RETURN_IF_ERROR(count_definition(bytes));
   definitions_.schemas.emplace(connection.number, std::move(connection.schema));
   definitions_.channels.emplace(connection.number, std::move(connection.channel));
   return absl::OkStatus();
@@ -190,7 +154,7 @@ absl::StatusOr<std::optional<Contents>> BagReader::indexed_contents() {
   const std::uint64_t here = file_.offset();
   std::uint32_t bytes = 0;
   ASSIGN_OR_RETURN(const auto fields, read_head(bytes));
-  warnings_.clear();  // They come again when the file is read.
+  forget_warnings();  // They come again when the file is read.
   const auto index_at = fields && bag_op(*fields) == kBagHeader ? bag_number(*fields, "index_pos", 8) : std::nullopt;
   std::optional<Contents> contents;
   if (index_at && *index_at > here && *index_at < file_.size() && file_.size() - *index_at <= kMaxIndexBytes) {

@@ -22,11 +22,11 @@ client::RecordingTime to_time(std::int64_t nanoseconds) {
 absl::StatusOr<codec::LabeledCloud> decode_cloud_message(const PointCloud2& message,
                                                          const client::TopicReaderOptions& options,
                                                          const StopToken& stop) {
-  // The view is chosen below, by the name of the frame.
+  // Unless the view is given, the name of the frame tells it.
   const codec::ReadOptions read{
-      .view = View::world(), .unit = options.unit, .keep_everything = options.keep_everything};
+      .view = options.view.value_or(View::world()), .unit = options.unit, .keep_everything = options.keep_everything};
   ASSIGN_OR_RETURN(auto content, codec::decode_strided(message.layout, message.data, read, options.limits, stop));
-  choose_view(message.header.frame_id, message.has_pose, options.view, content);
+  if (!options.view) choose_view(message.header.frame_id, message.has_pose, content);
   return content;
 }
 

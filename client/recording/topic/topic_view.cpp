@@ -57,14 +57,8 @@ std::string given_view_rule(const View& view) {
   return view.kind == ViewKind::kCamera ? "CAMERA, as asked for" : "WORLD, as asked for";
 }
 
-void choose_view(const std::string& frame_id, bool has_pose, const std::optional<View>& given,
-                 codec::LabeledCloud& content) {
+void choose_view(const std::string& frame_id, bool has_pose, codec::LabeledCloud& content) {
   Cloud& cloud = content.cloud;
-  if (given) {
-    cloud.view = to_cloud(content.placement, *given);
-    content.view_rule = given_view_rule(*given);
-    return;
-  }
   if (has_pose) {
     cloud.view = to_cloud(content.placement, View::world(0, 0, 0));
     content.view_rule = "WORLD with the sensor at (0, 0, 0): the cloud has a pose, which is that of its sensor";

@@ -14,8 +14,7 @@ std::string given_view_rule(const View& view);
 
 /// Chooses the view of a recorded cloud by the rule of client::TopicReader, and says so in view_rule. `frame_id` is the
 /// name of its frame, and `has_pose` tells that its points lie in a frame of their own that is moved against it
-/// (PointCloud2::has_pose). In a CAMERA cloud, points at (0, 0, 0) become NaN. A given view is taken as it is.
-void choose_view(const std::string& frame_id, bool has_pose, const std::optional<View>& given,
-                 codec::LabeledCloud& content);
+/// (PointCloud2::has_pose).
+void choose_view(const std::string& frame_id, bool has_pose, codec::LabeledCloud& content);
 
 }  // namespace segserve::recording

@@ -101,7 +101,8 @@ void drop_zeros(StopCheck& check, LabeledCloud& out) {
   });
   if (zeros == 0) return;
   out.warnings.push_back({WarningReason::kPointsNotUsed,
-                          fmt::format("{} points at (0, 0, 0), where the sensor is, are no measurements", zeros)});
+                          fmt::format("{} point{} at (0, 0, 0), where the sensor is, {}", zeros, zeros == 1 ? "" : "s",
+                                      zeros == 1 ? "is no measurement" : "are no measurements")});
 }
 
 void reverse(std::vector<float>& plane, StopCheck& check) {

@@ -27,7 +27,7 @@ std::vector<std::uint32_t> nearest_pixels(const Axis& depth, const Axis& color) 
   return nearest;
 }
 
-/// The same if both images show the same part of the scene: floor((u + 1/2) * to / from), in integers.
+/// The nearest pixels if both images show the same part of the scene: floor((u + 1/2) * to / from), in integers.
 std::vector<std::uint32_t> scaled_pixels(std::uint32_t from, std::uint32_t to) {
   std::vector<std::uint32_t> nearest(from);
   for (std::uint32_t u = 0; u < from; ++u) {

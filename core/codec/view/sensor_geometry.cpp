@@ -12,7 +12,7 @@
 namespace segserve::codec {
 namespace {
 
-/// With fewer pairs or points, geometry says nothing.
+/// With fewer points, geometry says nothing.
 constexpr std::size_t kFewest = 32;
 
 bool is_origin(const CloudView& cloud, std::size_t i) { return cloud.x[i] == 0 && cloud.y[i] == 0 && cloud.z[i] == 0; }

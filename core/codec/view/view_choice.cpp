@@ -41,7 +41,7 @@ ViewChoice no_sensor(std::string_view reason) {
   return {.rule = fmt::format("WORLD without a sensor, because {}", reason)};
 }
 
-/// What a view that somebody names comes down to.
+/// A view that somebody names.
 ViewChoice named(const CloudView& cloud, const View& view, std::string_view by, StopCheck& check) {
   if (view.kind == ViewKind::kCamera) return camera(is_behind_origin(cloud, check), fmt::format(", as {}", by));
   ViewChoice choice{.rule = fmt::format("WORLD, as {}", by)};
@@ -78,8 +78,7 @@ bool is_below(const CloudView& cloud, const Extent& e, StopCheck& check) {
 
 /// By the position that an entry of the file has, or by the lack of one.
 ViewChoice by_entry(const CloudView& cloud, const ViewEvidence& evidence, const Extent& extent, StopCheck& check) {
-  const bool has_position = evidence.position && *evidence.position != Eigen::Vector3d::Zero();
-  if (has_position) return world(*evidence.position, fmt::format("its {}", evidence.entry));
+  if (evidence.has_position()) return world(*evidence.position, fmt::format("its {}", evidence.entry));
   if (!evidence.has_entry) return no_sensor("the file does not tell where it is");
   if (cloud.height > 1) {
     return no_sensor(
@@ -97,9 +96,8 @@ ViewChoice by_entry(const CloudView& cloud, const ViewEvidence& evidence, const 
 
 ViewChoice by_rows(const CloudView& cloud, const ViewEvidence& evidence, const Extent& extent, StopCheck& check) {
   const bool is_one_sided = extent.is_in_front() || extent.is_behind();
-  const bool is_moved = evidence.position && *evidence.position != Eigen::Vector3d::Zero();
   const Agreement pixels = is_one_sided ? follows_pixels(cloud, check) : Agreement::kNo;
-  if (pixels == Agreement::kYes || (pixels == Agreement::kUnknown && !is_moved)) {
+  if (pixels == Agreement::kYes || (pixels == Agreement::kUnknown && !evidence.has_position())) {
     return camera(
         extent.is_behind(),
         fmt::format(": the cloud is organized ({}), with all points in front of the origin", shape_text(cloud)));
@@ -113,8 +111,7 @@ ViewChoice by_values(const CloudView& cloud, const ViewEvidence& evidence, const
   if (is_one_sided && has_pixel_values(cloud, extent, check)) {
     return camera(extent.is_behind(), ": the points lie on the rays of a camera's pixels");
   }
-  const bool is_moved = evidence.position && *evidence.position != Eigen::Vector3d::Zero();
-  if (!is_moved && !is_far_away(extent) && has_ring_values(cloud, check)) return sweep("rings");
+  if (!evidence.has_position() && !is_far_away(extent) && has_ring_values(cloud, check)) return sweep("rings");
   return by_entry(cloud, evidence, extent, check);
 }
 

@@ -28,6 +28,9 @@ struct ViewEvidence {
   /// Whether the format has an entry for the position of the sensor. If it is missing or (0, 0, 0), a sensor at the
   /// origin is believed if it could have seen the points.
   bool has_entry = false;
+
+  /// Whether the entry has a position that is not a default.
+  bool has_position() const { return position && *position != Eigen::Vector3d::Zero(); }
 };
 
 struct ViewChoice {
@@ -40,7 +43,7 @@ struct ViewChoice {
 /// Chooses the view of a cloud, whose own view is ignored and whose coordinates are in meters along the axes of the
 /// file:
 ///
-///  1. What the reader gives, and else what the file states in segserve's own words.
+///  1. The view that the reader gives, or else the one that the file states in segserve's own words.
 ///  2. An organized cloud is a camera's frame, CAMERA, if (nearly) all points have z > 0, or all have z < 0, and x/z is
 ///     the same along each column, and y/z along each row, as those of pixels are.
 ///  3. An organized cloud whose rows or columns have a constant elevation from the origin is the sweep of a spinning

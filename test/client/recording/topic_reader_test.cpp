@@ -121,7 +121,7 @@ TEST(TopicReader, TheViewFollowsTheRule) {
     content.cloud.z = {0, 2, given.least_z, 4};
     content.cloud.width = 4 / given.height;
     content.cloud.height = given.height;
-    recording::choose_view(given.frame_id, false, std::nullopt, content);
+    recording::choose_view(given.frame_id, false, content);
     EXPECT_EQ(content.cloud.view, given.expected) << given.frame_id << ": " << content.view_rule;
   }
 }

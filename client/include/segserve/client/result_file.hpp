@@ -23,8 +23,8 @@ namespace segserve::client {
 /// INVALID_ARGUMENT if the result is too large for one message (2 GiB).
 absl::StatusOr<std::string> encode_result_file(const Result& result, const CloudFingerprint& cloud);
 
-/// The same without a fingerprint: a line of version 2, which ends after the CRC-32 of the payload. Nothing then tells
-/// whether a cloud is the one that was segmented.
+/// Encodes a result without a fingerprint. Its first line is of version 2, which ends after the CRC-32 of the payload.
+/// Nothing then tells whether a cloud is the one that was segmented.
 absl::StatusOr<std::string> encode_result_file(const Result& result);
 
 /// The fingerprint in the first line of such a file; unset if the line is of version 2. INVALID_ARGUMENT if the line is

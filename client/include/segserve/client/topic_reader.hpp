@@ -43,14 +43,14 @@ struct TopicFrame {
 };
 
 struct TopicReaderOptions {
-  /// Of clouds (sensor_msgs/PointCloud2 of ROS 1 and 2, foxglove.PointCloud) or of depth images (sensor_msgs/Image and
-  /// CompressedImage, foxglove.RawImage and CompressedImage). Empty: the only topic of clouds or, if there are none,
-  /// the only one of images with "depth" in its name.
+  /// The topic has clouds (sensor_msgs/PointCloud2 of ROS 1 and 2, foxglove.PointCloud) or depth images
+  /// (sensor_msgs/Image and CompressedImage, foxglove.RawImage and CompressedImage). Empty: the only topic of clouds
+  /// or, if there are none, the only one of images with "depth" in its name.
   std::string topic = {};
-  /// Of images: the topic with their colors, aligned with the depth and of the same size. Each depth image gets the
+  /// The topic that has the colors of images, aligned with the depth and of the same size. Each depth image gets the
   /// color image whose stamp is nearest, if it is within 0.1 s. Empty: there are no colors.
   std::string color_topic = {};
-  /// Of images: the topic with their camera (sensor_msgs/CameraInfo, foxglove.CameraCalibration). Empty: `camera_info`
+  /// The topic that has the camera of images (sensor_msgs/CameraInfo, foxglove.CameraCalibration). Empty: `camera_info`
   /// beside the topic, as ROS has it, or the only one of its namespace. A topic with "rect" in its name has the
   /// intrinsics P of rectified images, any other K; distortion is not corrected, of which a warning tells.
   std::string camera_info_topic = {};

@@ -9,6 +9,7 @@
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
+#include "test/core/codec/support/deflate_bytes.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
 
 namespace segserve::codec {
@@ -16,19 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string gzip(const std::string& bytes) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, 16 + MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(deflateBound(&stream, bytes.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
+std::string gzip(const std::string& bytes) { return deflate_bytes(bytes, 16 + MAX_WBITS); }
 
 std::string zstd(const std::string& bytes) {
   std::string out(ZSTD_compressBound(bytes.size()), '\0');

@@ -4,6 +4,7 @@
 #include "core/codec/npy/npy.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
+#include "test/core/codec/support/deflate_bytes.hpp"
 #include "test/core/codec/support/las_file.hpp"
 #include "test/core/codec/support/npy_file.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
@@ -14,19 +15,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-std::string deflated(const std::string& bytes) {
-  z_stream stream{};
-  EXPECT_EQ(deflateInit2(&stream, 6, Z_DEFLATED, -MAX_WBITS, 8, Z_DEFAULT_STRATEGY), Z_OK);
-  std::string out(deflateBound(&stream, bytes.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  stream.next_out = reinterpret_cast<Bytef*>(out.data());
-  stream.avail_out = static_cast<uInt>(out.size());
-  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
-  out.resize(stream.total_out);
-  deflateEnd(&stream);
-  return out;
-}
+std::string deflated(const std::string& bytes) { return deflate_bytes(bytes, -MAX_WBITS); }
 
 using Members = std::vector<std::pair<std::string, std::string>>;
 
