@@ -103,6 +103,17 @@ std::string default_method(const client::ServerInfo& info) {
   return "";
 }
 
+/// null where the cloud decides.
+Json voxel_resolution_json(const v1::SegmentOptions& options) {
+  return options.has_voxel_resolution() ? Json(options.voxel_resolution()) : Json();
+}
+Json seed_resolution_json(const v1::SegmentOptions& options) {
+  return options.has_seed_resolution() ? Json(options.seed_resolution()) : Json();
+}
+
+/// "0.008 m", or "auto" where the cloud decides.
+std::string resolution_text(const Json& resolution) { return resolution.is_null() ? "auto" : resolution.dump() + " m"; }
+
 Json to_json(const client::ServerInfo& info) {
   Json json;
   json["version"] = info.version();
@@ -123,8 +134,8 @@ Json to_json(const client::ServerInfo& info) {
   for (const v1::MethodInfo& method : info.methods()) {
     json["methods"].push_back({{"name", method.name()},
                                {"default_threshold", method.defaults().threshold()},
-                               {"default_voxel_resolution", method.defaults().voxel_resolution()},
-                               {"default_seed_resolution", method.defaults().seed_resolution()}});
+                               {"default_voxel_resolution", voxel_resolution_json(method.defaults())},
+                               {"default_seed_resolution", seed_resolution_json(method.defaults())}});
   }
   json["options"] = Json::array();
   for (const v1::OptionInfo& option : info.options()) json["options"].push_back(option_json(option));
@@ -147,9 +158,9 @@ std::string to_text(const Json& json, const std::string& address) {
   for (const auto& [name, value] : json["limits"].items()) text += fmt::format("  {:<18} {}\n", name, value.dump());
   text += fmt::format("methods (default {}):\n", json["default_method"].get<std::string>());
   for (const Json& method : json["methods"]) {
-    text += fmt::format("  {:<20} threshold {}, voxels {} m, seeds {} m\n", method["name"].get<std::string>(),
-                        method["default_threshold"].dump(), method["default_voxel_resolution"].dump(),
-                        method["default_seed_resolution"].dump());
+    text += fmt::format("  {:<20} threshold {}, voxels {}, seeds {}\n", method["name"].get<std::string>(),
+                        method["default_threshold"].dump(), resolution_text(method["default_voxel_resolution"]),
+                        resolution_text(method["default_seed_resolution"]));
   }
   text += "options:\n";
   for (const Json& option : json["options"]) {

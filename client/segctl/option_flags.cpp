@@ -15,9 +15,18 @@ std::string flag_name(std::string_view option) {
   return name;
 }
 
+constexpr std::string_view kAuto = "-1";  ///< which no option that the cloud may choose can take
+constexpr double kAutoValue = -1;
+
+/// Whether the default method lets the cloud choose the value of an option that is unset.
+bool chosen_by_cloud(const OptionInfo& option) {
+  return option.name == "voxel_resolution" || option.name == "seed_resolution";
+}
+
 /// The default of the default method. It says so if the paper's methods have other defaults.
 std::string default_text(const OptionInfo& option) {
   const std::optional<double> ours = default_value(option, Options{}.method);
+  if (chosen_by_cloud(option)) return fmt::format(", default auto for {}", name(Options{}.method));
   if (!ours) return "";
   const bool same = std::ranges::all_of(all_methods(), [&](Method m) { return default_value(option, m) == ours; });
   return fmt::format(", default {}{}", *ours, same ? "" : fmt::format(" for {}", name(Options{}.method)));
@@ -40,9 +49,14 @@ std::string method_names() {
 
 void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag) {
   flag.option = &option;
-  app.add_option(flag_name(option.name), flag.value, help_text(option))
-      ->type_name(option.whole ? "INT" : "NUMBER")
-      ->group("Segmentation");
+  CLI::Option* added = app.add_option(flag_name(option.name), flag.value, help_text(option))
+                           ->type_name(option.whole ? "INT" : "NUMBER")
+                           ->group("Segmentation");
+  // "auto" is what is meant without the flag.
+  if (!chosen_by_cloud(option)) return;
+  added->type_name("NUMBER|auto")->transform([](std::string text) {
+    return text == "auto" ? std::string(kAuto) : text;
+  });
 }
 
 void OptionFlags::add_to(CLI::App& app) {
@@ -74,7 +88,7 @@ absl::StatusOr<Options> OptionFlags::options() const {
     }
   }
   for (const Flag& flag : flags_) {
-    if (!flag.value) continue;
+    if (!flag.value || (chosen_by_cloud(*flag.option) && *flag.value == kAutoValue)) continue;
     if (auto fault = violation(*flag.option, *flag.value)) {
       faults.push_back(*std::move(fault));
     } else {

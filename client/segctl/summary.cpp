@@ -119,6 +119,23 @@ std::vector<Timing> stage_timings(const client::Result& result) {
           {"encode", r.timings.encode}, {"total", r.timings.total}};
 }
 
+std::string resolution_text(const Resolution& resolution) {
+  const std::string voxels = fmt::format("voxels of {:.3g} mm", 1000 * resolution.voxel);
+  switch (resolution.reason) {
+    case ResolutionReason::kGiven:
+      return voxels;
+    case ResolutionReason::kDense:
+      return voxels + " (auto)";
+    case ResolutionReason::kSpacing:
+      return voxels + " (auto, by the spacing of the points)";
+    case ResolutionReason::kNoise:
+      return voxels + " (auto, by the noise of the points)";
+    case ResolutionReason::kExtent:
+      return voxels + " (auto, by the size of the scene)";
+  }
+  return voxels;
+}
+
 Json to_json(const Summary& summary) {
   const client::Result& result = summary.result;
   Json json;
@@ -127,6 +144,11 @@ Json to_json(const Summary& summary) {
   json["segmented"] = result.segmentation.segmented_points;
   json["support_plane"] = support_plane_json(result.segmentation.support_plane);
   json["voxels"] = result.segmentation.voxels;
+  const Resolution& resolution = result.segmentation.resolution;
+  json["resolution"] = {{"voxel", resolution.voxel},
+                        {"seed", resolution.seed},
+                        {"reason", name(resolution.reason)},
+                        {"noise_depth", resolution.noise_depth ? Json(*resolution.noise_depth) : Json()}};
   json["supervoxels"] = result.supervoxels;
   json["segments"] = result.segmentation.segments;
   json["segment_points"] = segment_sizes(result.segmentation);
@@ -162,9 +184,9 @@ std::string to_text(const Summary& summary) {
                   some_left_out ? fmt::format(", {} segmented", segmentation.segmented_points) : "", result.view_rule);
   text += placement_text(result.placement);
   if (segmentation.support_plane) text += support_plane_text(*segmentation.support_plane);
-  text += fmt::format("{}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
-                      result.supervoxels, segmentation.segments, segmentation.segments == 1 ? "" : "s",
-                      sizes_text(segmentation));
+  text += fmt::format("{}, {}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
+                      resolution_text(segmentation.resolution), result.supervoxels, segmentation.segments,
+                      segmentation.segments == 1 ? "" : "s", sizes_text(segmentation));
   text += timings_text(summary) + "\n";
   for (const codec::Warning& warning : result.warnings) text += fmt::format("warning: {}\n", warning.message);
   return text;

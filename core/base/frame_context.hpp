@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/base/executor.hpp"
+#include "core/base/voxel_scale.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/options.hpp"
 #include "segserve/stop_token.hpp"
@@ -18,6 +19,7 @@ struct FrameContext {
       : cloud(frame_cloud),
         options(resolved(requested)),
         settings(supervoxel_options(options)),
+        scale(requested_scale(options, frame_cloud.view)),
         executor(frame_executor),
         stop(stop_token) {}
 
@@ -25,7 +27,8 @@ struct FrameContext {
 
   CloudView cloud;
   Options options;             ///< resolved: every option for which the method has a default is set
-  SupervoxelOptions settings;  ///< resolutions and weights of the supervoxels, from `options`
+  SupervoxelOptions settings;  ///< weights of the supervoxels, from `options`
+  VoxelScale scale;            ///< sizes of voxels and supervoxels; the pipeline lets the cloud choose them
   Executor& executor;
   StopToken stop;
 };

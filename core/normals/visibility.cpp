@@ -68,7 +68,7 @@ class DirectionCube {
 
 absl::Status find_visible_voxels(const FrameContext& frame, const VoxelGrid& grid, std::vector<bool>& visible) {
   constexpr double kMargin = 2;  // voxels
-  const double voxel = frame.settings.voxel_resolution;
+  const double voxel = frame.scale.voxel;
   const Vec3 sensor = sensor_of(frame.view());
   DirectionCube cube;
   std::vector<float> distance(grid.size());

@@ -20,10 +20,10 @@ struct MethodInfo {
 };
 
 constexpr SupervoxelOptions kPaperSupervoxels{0.008, 0.08, 0.2, 0.4, 1.0};  // about 250 on an OSD frame
-constexpr SupervoxelOptions kFineSupervoxels{0.0075, 0.03, 0.0, 1.0, 4.0};  // about 1,050
+constexpr SupervoxelOptions kFittingSupervoxels{std::nullopt, std::nullopt, 0.0, 1.0, 4.0};
 
 constexpr std::array kMethods = {
-    MethodInfo{Method::kBorder, "border", 0.5, kFineSupervoxels},
+    MethodInfo{Method::kBorder, "border", 0.5, kFittingSupervoxels},
     MethodInfo{Method::kColor, "color", 0.10, kPaperSupervoxels},
     MethodInfo{Method::kGeometry, "geometry", 0.29, kPaperSupervoxels},
     MethodInfo{Method::kLambda, "lambda", 0.18, kPaperSupervoxels},
@@ -139,7 +139,9 @@ double default_threshold(Method method) { return info(method).threshold; }
 
 Options resolved(Options options) {
   const auto& [method, name, threshold, supervoxels] = info(options.method);
-  const auto fill = [](std::optional<double>& value, double otherwise) { value = value.value_or(otherwise); };
+  const auto fill = [](std::optional<double>& value, std::optional<double> otherwise) {
+    if (!value) value = otherwise;
+  };
   fill(options.voxel_resolution, supervoxels.voxel_resolution);
   fill(options.seed_resolution, supervoxels.seed_resolution);
   fill(options.color_weight, supervoxels.color_weight);
@@ -151,7 +153,7 @@ Options resolved(Options options) {
 
 SupervoxelOptions supervoxel_options(const Options& options) {
   const Options o = resolved(options);
-  return {*o.voxel_resolution, *o.seed_resolution, *o.color_weight, *o.spatial_weight, *o.normal_weight};
+  return {o.voxel_resolution, o.seed_resolution, *o.color_weight, *o.spatial_weight, *o.normal_weight};
 }
 
 std::span<const OptionInfo> option_table() { return kTable; }
@@ -180,9 +182,9 @@ std::vector<FieldViolation> violations(const Options& options) {
     if (auto fault = violation(option, *value)) faults.push_back(*std::move(fault));
   }
   const SupervoxelOptions s = supervoxel_options(options);
-  if (s.seed_resolution < s.voxel_resolution) {
+  if (s.voxel_resolution && s.seed_resolution && *s.seed_resolution < *s.voxel_resolution) {
     faults.push_back({"seed_resolution",
-                      fmt::format("{} m is below voxel_resolution, {} m", s.seed_resolution, s.voxel_resolution)});
+                      fmt::format("{} m is below voxel_resolution, {} m", *s.seed_resolution, *s.voxel_resolution)});
   }
   if (s.color_weight == 0 && s.spatial_weight == 0 && s.normal_weight == 0) {
     faults.push_back({"color_weight", "color_weight, spatial_weight and normal_weight are all 0"});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "core/base/executor.hpp"
@@ -15,12 +17,14 @@
 #include "core/normals/edge_aware_normals.hpp"
 #include "core/normals/two_ring_normals.hpp"
 #include "core/region_graph/region_graph.hpp"
+#include "core/scale/scale_choice.hpp"
 #include "core/supervoxels/seed_selection.hpp"
 #include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/support_plane/support_plane_removal.hpp"
 #include "core/voxels/coarser_resolution.hpp"
 #include "core/voxels/component_bridging.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
+#include "core/voxels/voxel_positions.hpp"
 #include "core/voxels/voxelization.hpp"
 #include "segserve/segment.hpp"
 
@@ -60,6 +64,12 @@ absl::Status judge_resolution(const FrameContext& frame, Segmentation& result) {
   if (result.segmented_points < kFewest || !is_sparse || !is_shattered) return absl::OkStatus();
   result.fitting_resolution = coarser_resolution(frame, result.segmented_points / kWanted);
   return frame.stop.check();
+}
+
+Resolution resolution_of(const ChosenScale& chosen) {
+  const VoxelScale& scale = chosen.scale;
+  const bool is_known = scale.noise_depth < std::numeric_limits<double>::infinity();
+  return {scale.voxel, scale.seed, chosen.reason, is_known ? std::optional(scale.noise_depth) : std::nullopt};
 }
 
 absl::Status ask(const Admission& admit, const FrameContext& frame, std::size_t voxels) {
@@ -105,6 +115,7 @@ struct Segmenter::Workspace {
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
+  std::vector<Vec3> positions;
   Seeds seeds;
   Supervoxels supervoxels;
   RegionGraph graph;
@@ -129,7 +140,9 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   RETURN_IF_ERROR(check(options, cloud.view));
   RETURN_IF_ERROR(check_shape(cloud));
   Workspace& w = *workspace_;
-  const FrameContext frame(cloud, options, w.executor_with(options.threads), stop);
+  FrameContext frame(cloud, options, w.executor_with(options.threads), stop);
+  ASSIGN_OR_RETURN(const ChosenScale chosen, choose_scale(frame));
+  frame.scale = chosen.scale;
   const bool by_border = options.method == Method::kBorder;
   Segmentation result;
   StageTimings& timings = result.timings;
@@ -159,9 +172,11 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   timings.normals = watch.lap();
 
   // Over-segmentation (section 2.1): the supervoxels R^m, by VCCS.
-  RETURN_IF_ERROR(w.seed_selection.run(frame, w.grid, w.seeds));
-  RETURN_IF_ERROR(w.supervoxel_growth.run(frame, w.grid, w.adjacency, w.normals, w.seeds, w.supervoxels));
-  release_if(is_large, w.seed_selection, w.seeds, w.supervoxel_growth);
+  RETURN_IF_ERROR(find_positions(frame, w.grid, w.positions));
+  const std::vector<Vec3>& positions = w.positions.empty() ? w.grid.centroid : w.positions;
+  RETURN_IF_ERROR(w.seed_selection.run(frame, positions, w.seeds));
+  RETURN_IF_ERROR(w.supervoxel_growth.run(frame, w.grid, positions, w.adjacency, w.normals, w.seeds, w.supervoxels));
+  release_if(is_large, w.positions, w.seed_selection, w.seeds, w.supervoxel_growth);
   timings.supervoxels = watch.lap();
 
   // The region adjacency graph G^m (section 2.1).
@@ -183,6 +198,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   timings.labels = watch.lap();
 
   result.segments = level.segments;
+  result.resolution = resolution_of(chosen);
   result.threshold = frame.options.threshold;
   result.finite_points = w.grid.finite_points;
   result.segmented_points = std::accumulate(w.grid.points.begin(), w.grid.points.end(), std::size_t{0});

@@ -37,16 +37,17 @@ class Concavity {
 }  // namespace
 
 absl::Status measure_borders(const FrameContext& frame, const RegionGraph& graph, const VoxelGrid& grid,
-                             const std::vector<Vec3>& normals, double dead_zone, std::vector<Border>& borders) {
+                             const std::vector<Vec3>& normals, const DeadZone& zone, std::vector<Border>& borders) {
   StopCheck check(frame.stop);
   borders.assign(graph.edges.size(), Border{});
-  const Concavity concavity(dead_zone);
+  const Concavity concavity(zone.angle);
   check.for_each(0, graph.contacts.size(), [&](std::size_t c) {
     const auto [v, u] = graph.contacts[c];
     Border& border = borders[graph.edge_of_contact[c]];
     border.contacts += 1;
     if (concavity.is_flat(normals[v], normals[u])) return;
-    border.concavity += concavity.angle(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
+    const double angle = concavity.angle(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
+    border.concavity += std::max(0.0, angle - zone.noise * frame.scale.excess_noise(grid.centroid[v].z));
   });
   check.for_each(0, borders.size(), [&](std::size_t e) { borders[e].concavity /= borders[e].contacts; });
   return check.status();

@@ -10,15 +10,13 @@ namespace segserve {
 namespace {
 
 /// Goes through the voxels in memory order. A region still adds up its own voxels in ascending order.
-void sum_up_regions(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
-                    const Supervoxels& supervoxels, StopCheck& check, std::vector<Region>& regions) {
+void sum_up_regions(const VoxelGrid& grid, const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
+                    StopCheck& check, std::vector<Region>& regions) {
   regions.assign(supervoxels.count, Region{});
   check.for_each(0, grid.size(), [&](std::size_t v) {
     Region& region = regions[supervoxels.supervoxel_of_voxel[v]];
     region.voxels += 1;
     region.points += grid.points[v];
-    const double edge = voxel_edge(frame.settings.voxel_resolution, frame.view(), grid.centroid[v]);
-    region.area += edge * edge;
     region.centroid += grid.centroid[v];
     region.normal_sum += normals[v];
     region.color_sum += grid.color_sum[v];
@@ -122,14 +120,13 @@ void Region::merge(const Region& other) {
   color_sum += other.color_sum;
   voxels = total;
   points += other.points;
-  area += other.area;
 }
 
 absl::Status RegionGraphConstruction::run(const FrameContext& frame, const VoxelGrid& grid,
                                           const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
                                           const Supervoxels& supervoxels, RegionGraph& graph) {
   StopCheck check(frame.stop);
-  sum_up_regions(frame, grid, normals, supervoxels, check, graph.regions);
+  sum_up_regions(grid, normals, supervoxels, check, graph.regions);
   find_contacts(adjacency, supervoxels, check, graph.contacts);
   sort_contacts(graph.contacts, supervoxels, check, scratch_);
   find_edges(supervoxels, check, scratch_, graph);

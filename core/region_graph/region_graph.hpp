@@ -19,7 +19,6 @@ namespace segserve {
 struct Region {
   double voxels = 0;
   std::uint32_t points = 0;
-  double area = 0;     ///< sum of the faces of the voxels, m^2
   Vec3 centroid;       ///< mean of the centroids of the voxels, meters
   Symmetric3 scatter;  ///< of the centroids of the voxels about their mean, m^2
   Vec3 normal_sum;     ///< of the unit normals of the voxels

@@ -47,8 +47,8 @@ class CellKeys {
 /// The voxels by the seed cell that holds their centroid.
 class VoxelsByCell {
  public:
-  VoxelsByCell(const VoxelGrid& grid, double resolution, SeedSelection::Scratch& scratch, StopCheck& check)
-      : grid_(grid), resolution_(resolution), check_(check), s_(scratch) {
+  VoxelsByCell(const std::vector<Vec3>& positions, double resolution, SeedSelection::Scratch& scratch, StopCheck& check)
+      : positions_(positions), resolution_(resolution), check_(check), s_(scratch) {
     find_runs();
     s_.key_of_run.resize(s_.cell_of_run.size());
     check_.for_each(0, s_.key_of_run.size(), [&](std::size_t r) { s_.key_of_run[r] = keys_.key(s_.cell_of_run[r]); });
@@ -65,7 +65,7 @@ class VoxelsByCell {
     std::uint32_t nearest = 0;
     double smallest = std::numeric_limits<double>::infinity();
     for_each_voxel(c, [&](std::uint32_t v) {
-      const Vec3 d = grid_.centroid[v] - center;
+      const Vec3 d = positions_[v] - center;
       const double distance = dot(d, d);
       if (distance < smallest) smallest = distance, nearest = v;
       return true;
@@ -79,7 +79,7 @@ class VoxelsByCell {
     double count = 0;
     if (exceeds(c, v, radius, limit, count)) return true;
     count = 0;
-    const Vec3& middle = grid_.centroid[v];
+    const Vec3& middle = positions_[v];
     for (double dz : {-radius, radius}) {
       for (double dy : {-radius, radius}) {
         if (is_repeated_row(middle, radius, dy, dz)) continue;
@@ -102,15 +102,15 @@ class VoxelsByCell {
     SeedCell low{kLargest, kLargest, kLargest}, high{-kLargest, -kLargest, -kLargest};
     s_.run_begin.clear();
     s_.cell_of_run.clear();
-    check_.for_each(0, grid_.size(), [&](std::size_t v) {
-      const SeedCell c = cell_at(grid_.centroid[v]);
+    check_.for_each(0, positions_.size(), [&](std::size_t v) {
+      const SeedCell c = cell_at(positions_[v]);
       if (!s_.cell_of_run.empty() && c == s_.cell_of_run.back()) return;
       s_.run_begin.push_back(static_cast<std::uint32_t>(v));
       s_.cell_of_run.push_back(c);
       low = {std::min(low.x, c.x), std::min(low.y, c.y), std::min(low.z, c.z)};
       high = {std::max(high.x, c.x), std::max(high.y, c.y), std::max(high.z, c.z)};
     });
-    s_.run_begin.push_back(static_cast<std::uint32_t>(grid_.size()));
+    s_.run_begin.push_back(static_cast<std::uint32_t>(positions_.size()));
     if (low.x <= high.x) keys_ = CellKeys(low, high);
   }
 
@@ -141,7 +141,7 @@ class VoxelsByCell {
   bool exceeds(std::size_t c, std::uint32_t v, double radius, double limit, double& count) const {
     bool more = false;
     for_each_voxel(c, [&](std::uint32_t u) {
-      const Vec3 d = grid_.centroid[u] - grid_.centroid[v];
+      const Vec3 d = positions_[u] - positions_[v];
       more = dot(d, d) <= radius * radius && ++count > limit;
       return !more;
     });
@@ -158,7 +158,7 @@ class VoxelsByCell {
            (dz > 0 && index_at(middle.z - radius) == index_at(middle.z + radius));
   }
 
-  const VoxelGrid& grid_;
+  const std::vector<Vec3>& positions_;
   double resolution_;
   StopCheck& check_;
   SeedSelection::Scratch& s_;
@@ -167,15 +167,16 @@ class VoxelsByCell {
 
 }  // namespace
 
-absl::Status SeedSelection::run(const FrameContext& frame, const VoxelGrid& grid, Seeds& seeds) {
+absl::Status SeedSelection::run(const FrameContext& frame, const std::vector<Vec3>& positions, Seeds& seeds) {
   seeds.chosen.clear();
   seeds.sparse.clear();
   StopCheck check(frame.stop);
-  const VoxelsByCell cells(grid, frame.settings.seed_resolution, scratch_, check);
-  const double radius = 0.5 * frame.settings.seed_resolution;
+  const VoxelsByCell cells(positions, frame.scale.seed, scratch_, check);
+  const double radius = 0.5 * frame.scale.seed;
   for (std::size_t c = 0; c < cells.cell_count() && !check.after(1); ++c) {
     const std::uint32_t seed = cells.nearest_to_center(c);
-    const double edge = voxel_edge(frame.settings.voxel_resolution, frame.view(), grid.centroid[seed]);
+    const double edge =
+        frame.scale.in_proportion ? frame.scale.voxel : voxel_edge(frame.scale.voxel, frame.view(), positions[seed]);
     const double voxels_of_disc = math::kPi * radius * radius / (edge * edge);
     (cells.more_within(c, seed, radius, 0.05 * voxels_of_disc) ? seeds.chosen : seeds.sparse).push_back(seed);
   }

@@ -31,7 +31,7 @@ struct SeedCell {
 class SeedSelection {
  public:
   /// CANCELLED, DEADLINE_EXCEEDED.
-  absl::Status run(const FrameContext& frame, const VoxelGrid& grid, Seeds& seeds);
+  absl::Status run(const FrameContext& frame, const std::vector<Vec3>& positions, Seeds& seeds);
 
   /// Buffers of the sort of voxels by cell. Consecutive voxels in one cell are a run, which is sorted as a whole.
   struct Scratch {

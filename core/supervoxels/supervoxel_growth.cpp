@@ -13,13 +13,14 @@ namespace {
 using growth::GrowthState;
 
 /// Fills `state` with voxels that are in no cluster.
-void read_voxels(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                 const std::vector<Vec3>& normals, StopCheck& check, GrowthState& state) {
-  const double position_scale = frame.settings.spatial_weight / frame.settings.seed_resolution;
+void read_voxels(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& positions,
+                 const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals, StopCheck& check,
+                 GrowthState& state) {
+  const double position_scale = frame.settings.spatial_weight / frame.scale.seed;
   const double color_scale = frame.settings.color_weight / 255;
   state.clear(grid.size());
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    const Vec3 position = position_scale * grid.centroid[v];
+    const Vec3 position = position_scale * positions[v];
     const Vec3 color = (color_scale / grid.points[v]) * grid.color_sum[v];
     const std::uint32_t first = adjacency.offset[v], neighbors = adjacency.offset[v + 1] - first;
     state.most_neighbors = std::max<std::size_t>(state.most_neighbors, neighbors);
@@ -29,8 +30,8 @@ void read_voxels(const FrameContext& frame, const VoxelGrid& grid, const VoxelAd
 }
 
 /// Iterations of growth, the first one included.
-int most_iterations(const SupervoxelOptions& settings) {
-  return static_cast<int>(1.8 * settings.seed_resolution / settings.voxel_resolution + 1e-6) - 1;
+int most_iterations(const VoxelScale& scale) {
+  return static_cast<int>(1.8 * scale.seed / scale.voxel + 1e-6) - 1;
 }
 
 void number_supervoxels(StopCheck& check, GrowthState& state, Supervoxels& supervoxels) {
@@ -51,16 +52,17 @@ SupervoxelGrowth::SupervoxelGrowth(SupervoxelGrowth&&) noexcept = default;
 SupervoxelGrowth& SupervoxelGrowth::operator=(SupervoxelGrowth&&) noexcept = default;
 SupervoxelGrowth::~SupervoxelGrowth() = default;
 
-absl::Status SupervoxelGrowth::run(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                                   const std::vector<Vec3>& normals, const Seeds& seeds, Supervoxels& supervoxels) {
+absl::Status SupervoxelGrowth::run(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& positions,
+                                   const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals,
+                                   const Seeds& seeds, Supervoxels& supervoxels) {
   StopCheck check(frame.stop);
-  read_voxels(frame, grid, adjacency, normals, check, *state_);
+  read_voxels(frame, grid, positions, adjacency, normals, check, *state_);
   const growth::DistanceWeights weights{static_cast<float>(frame.settings.normal_weight),
                                         frame.settings.color_weight > 0};
   growth::GrowthIterations iterations(adjacency, weights, check, *state_);
   iterations.seed(seeds.chosen);
   iterations.run_first();
-  const int most = most_iterations(frame.settings);
+  const int most = most_iterations(frame.scale);
   for (int iteration = 1; iteration < most; ++iteration) {
     if (!iterations.run_next()) break;
   }

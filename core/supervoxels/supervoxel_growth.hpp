@@ -40,8 +40,9 @@ class SupervoxelGrowth {
   ~SupervoxelGrowth();
 
   /// `normals` has a unit vector, or 0, for each voxel. CANCELLED, DEADLINE_EXCEEDED.
-  absl::Status run(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                   const std::vector<Vec3>& normals, const Seeds& seeds, Supervoxels& supervoxels);
+  absl::Status run(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& positions,
+                   const VoxelAdjacency& adjacency, const std::vector<Vec3>& normals, const Seeds& seeds,
+                   Supervoxels& supervoxels);
 
  private:
   std::unique_ptr<growth::GrowthState> state_;

@@ -19,6 +19,8 @@ inline CellInput cell_input(const CloudView& cloud, const PointSelection& select
           cloud.view.kind == ViewKind::kCamera,
           mapping.cells_per_meter,
           mapping.units_per_meter,
+          mapping.elongation_depth,
+          mapping.elongation_depth_logarithm,
           selection.all() ? nullptr : &selection.limits()};
 }
 

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "core/base/voxel_scale.hpp"
+#include "core/math/elementary.hpp"
 #include "core/voxels/voxel_key.hpp"
 
 namespace segserve {
@@ -13,8 +15,12 @@ namespace segserve {
 /// fixed-point coordinates is the greatest power of two that is not above voxel / 4096 (2 micrometers at 8 mm); their
 /// range is 2^30 units on either side of 0.
 struct CellMapping {
-  explicit CellMapping(double resolution)
-      : cells_per_meter(static_cast<float>(1 / resolution)), units_per_meter(unit_scale(resolution)) {}
+  explicit CellMapping(const VoxelScale& scale)
+      : cells_per_meter(static_cast<float>(1 / scale.voxel)),
+        units_per_meter(unit_scale(scale.voxel)),
+        elongation_depth(static_cast<float>(scale.elongation_depth)),
+        elongation_depth_logarithm(scale.elongation_depth < kFar ? static_cast<float>(math::ln(scale.elongation_depth))
+                                                                 : 0) {}
 
   double unit() const { return 1 / static_cast<double>(units_per_meter); }
   /// Coordinates must be below this in magnitude, meters.
@@ -26,8 +32,12 @@ struct CellMapping {
 
   const float cells_per_meter;
   const float units_per_meter;
+  const float elongation_depth;            ///< VoxelScale::elongation_depth, meters
+  const float elongation_depth_logarithm;  ///< its natural logarithm; 0 if it is beyond all points
 
  private:
+  static constexpr double kFar = 1e30;  // meters
+
   static float unit_scale(double resolution) {
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(resolution) >> 52U) - 1023;  // floor(log2)
     return std::bit_cast<float>(static_cast<std::uint32_t>(12 - exponent + 127) << 23U);

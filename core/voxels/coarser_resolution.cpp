@@ -57,7 +57,7 @@ double count_voxels(const FrameContext& frame, int power, StopCheck& check) {
   constexpr std::size_t kChunk = 512, kRoom = 8;
   std::array<VoxelKey, kChunk + kRoom> keys;
   std::array<std::int32_t, kChunk + kRoom> x, y, z;
-  const CellMapping mapping(frame.settings.voxel_resolution);
+  const CellMapping mapping(frame.scale);
   const PointSelection selection(frame.options, frame.view());
   LinearCounter counter;
   for (std::size_t first = 0; first < frame.cloud.size(); first += kChunk) {
@@ -82,7 +82,7 @@ double coarser_resolution(const FrameContext& frame, std::size_t voxels) {
          kMargin * count_voxels(frame, power, check) > static_cast<double>(voxels)) {
     ++power;
   }
-  return std::ldexp(frame.settings.voxel_resolution, power);
+  return std::ldexp(frame.scale.voxel, power);
 }
 
 }  // namespace segserve

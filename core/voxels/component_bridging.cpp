@@ -13,10 +13,10 @@
 namespace segserve {
 namespace {
 
-/// Connected components with their areas. The smallest voxel of a component is its name.
+/// Connected components with their numbers of voxels. The smallest voxel of a component is its name.
 class Components {
  public:
-  explicit Components(std::vector<double> area) : parent_(area.size()), area_(std::move(area)) {
+  explicit Components(std::size_t voxels) : parent_(voxels), voxels_(voxels, 1) {
     std::iota(parent_.begin(), parent_.end(), 0U);
   }
 
@@ -24,14 +24,14 @@ class Components {
     while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
     return v;
   }
-  double area(std::uint32_t component) const { return area_[component]; }
+  std::uint32_t voxels(std::uint32_t component) const { return voxels_[component]; }
 
   /// Unites the components of u and v, and returns the united one.
   std::uint32_t unite(std::uint32_t u, std::uint32_t v) {
     const auto [a, b] = std::minmax({of(u), of(v)});
     if (a == b) return a;
     parent_[b] = a;
-    area_[a] += area_[b];
+    voxels_[a] += voxels_[b];
     return a;
   }
 
@@ -46,17 +46,11 @@ class Components {
 
  private:
   std::vector<std::uint32_t> parent_;
-  std::vector<double> area_;
+  std::vector<std::uint32_t> voxels_;
 };
 
-Components components_of(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
-                         StopCheck& check) {
-  std::vector<double> area(grid.size());
-  check.for_each(0, area.size(), [&](std::size_t v) {
-    const double edge = voxel_edge(frame.settings.voxel_resolution, frame.view(), grid.centroid[v]);
-    area[v] = edge * edge;
-  });
-  Components components(std::move(area));
+Components components_of(const VoxelGrid& grid, const VoxelAdjacency& adjacency, StopCheck& check) {
+  Components components(grid.size());
   check.for_each(0, grid.size(), [&](std::size_t i) {
     const auto v = static_cast<std::uint32_t>(i);
     components.unite(v, adjacency.of(v));
@@ -161,8 +155,8 @@ void add_bridges(const std::vector<Bridge>& one_way, StopCheck& check, VoxelAdja
 absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid, const BridgingOptions& options,
                                VoxelAdjacency& adjacency) {
   StopCheck check(frame.stop);
-  Components components = components_of(frame, grid, adjacency, check);
-  const auto is_small = [&](std::uint32_t component) { return components.area(component) < options.area; };
+  Components components = components_of(grid, adjacency, check);
+  const auto is_small = [&](std::uint32_t component) { return components.voxels(component) < options.voxels; };
   std::vector<std::uint32_t> in_small(grid.size());  // the voxels of small components
   std::iota(in_small.begin(), in_small.end(), 0U);
   std::vector<Bridge> bridges;

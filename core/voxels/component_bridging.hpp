@@ -9,8 +9,8 @@
 namespace segserve {
 
 struct BridgingOptions {
-  double area = 12e-4;  ///< m^2; a connected component of less is small, and looks for others
-  int reach = 4;        ///< how far a small component looks at most, voxels
+  std::uint32_t voxels = 33;  ///< a connected component of fewer is small, and looks for others
+  int reach = 4;              ///< how far a small component looks at most, voxels
 };
 
 /// Joins connected components that sampling tore apart: where a surface is sparser than the voxels, its voxels do not

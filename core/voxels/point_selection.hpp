@@ -36,6 +36,16 @@ class PointSelection {
 
   bool all() const { return all_; }
 
+  /// Whether a finite point is selected.
+  bool selects(float x, float y, float z) const {
+    if (all_) return true;
+    const SelectionLimits& l = limits_;
+    const float dx = x - l.sensor[0], dy = y - l.sensor[1], dz = z - l.sensor[2];
+    const float distance_squared = dx * dx + dy * dy + dz * dz;
+    return x >= l.low[0] && x <= l.high[0] && y >= l.low[1] && y <= l.high[1] && z >= l.low[2] && z <= l.high[2] &&
+           distance_squared >= l.nearest_squared && distance_squared <= l.farthest_squared;
+  }
+
   const SelectionLimits& limits() const { return limits_; }
 
  private:

@@ -7,6 +7,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/frame_context.hpp"
+#include "core/math/elementary.hpp"
 #include "core/math/vec3.hpp"
 #include "core/voxels/voxel_key.hpp"
 #include "segserve/cloud.hpp"
@@ -40,6 +41,14 @@ inline constexpr std::uint32_t kNoVoxel = ~std::uint32_t{0};
 /// Edge of a voxel at `position`, meters. In a CAMERA view it grows with the distance.
 inline double voxel_edge(double resolution, const View& view, const Vec3& position) {
   return view.kind == ViewKind::kCamera ? resolution * position.z : resolution;
+}
+
+/// A point of a CAMERA view in the space in which all voxels are cubes of the same size: (x/z, y/z, g(z)), where g is
+/// ln z up to the depth from which voxels are deeper than wide, and goes on with the inverse of their depth.
+inline Vec3 to_voxel_space(const VoxelScale& scale, const Vec3& p) {
+  const double far = scale.elongation_depth;
+  const double depth = p.z > far ? math::ln(far) + (1 - far / p.z) : math::ln(p.z);
+  return {p.x / p.z, p.y / p.z, depth};
 }
 
 /// Takes voxels (V flags) out of the grid, as if their points had not been selected. CANCELLED, DEADLINE_EXCEEDED.

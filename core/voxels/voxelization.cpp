@@ -77,7 +77,7 @@ absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid, Voxel
   const std::size_t points = frame.cloud.size();
   const unsigned threads = frame.executor.threads();
   const PointSelection selection(frame.options, frame.view());
-  const CellMapping mapping(frame.settings.voxel_resolution);
+  const CellMapping mapping(frame.scale);
   if (parts_.size() != threads) parts_ = std::vector<PartialVoxels>(threads);
   // A single thread appends the slots chunk by chunk, so that each chunk is written while it is in the cache.
   grid.slot_of_point.clear();
@@ -92,7 +92,7 @@ absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid, Voxel
   const PointsWithoutCell without = sum_of(parts_);
   RETURN_IF_ERROR(merge_parts(frame, grid));
   if (!are_single(without, grid.finite_points)) {
-    return invalid_point(frame.cloud, mapping, frame.settings.voxel_resolution, without.first_other);
+    return invalid_point(frame.cloud, mapping, frame.scale.voxel, without.first_other);
   }
   grid.zero_points = without.zeros;
   grid.points_beyond_grid = without.others;

@@ -15,22 +15,29 @@ namespace {
 
 static_assert(RegionMetric<BorderMetric>);
 
+/// What supervoxels at depth z, meters, may differ by and still be one surface.
+SurfaceTolerance tolerance_at(const VoxelScale& scale, const BorderConstants& constants, double z) {
+  constexpr double kHighestStep = 0.1, kFlat = 10;  // of a voxel; degrees
+  const double unit = scale.in_proportion ? z : 1, noise = scale.excess_noise(z);
+  return {kHighestStep * (1 + constants.noise_step * noise) * unit * scale.voxel, unit * scale.seed,
+          kFlat + constants.noise_angle * noise};
+}
+
 double angle_degrees(const Vec3& a, const Vec3& b) { return math::atan2(norm(cross(a, b)), dot(a, b)) / math::kDegree; }
 
 }  // namespace
 
-bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, double voxel_resolution,
-            double seed_resolution) {
+bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, const SurfaceTolerance& tolerance) {
   constexpr double kCosine10 = 0.98480775301220806, kCosineOneAndAHalf = 0.99965732497555727;  // of degrees
   constexpr double kMargin = 1e-9;  // far larger than rounding errors
   const Vec3 d = xi - xj;
   const Vec3 fold = cross(ni, nj);
   const double sine = norm(fold);
   // Smoothness: there is no step between the two surfaces.
-  const double step = std::min(std::fabs(dot(d, ni)), std::fabs(dot(d, nj))) - sine * seed_resolution;
-  if (!(step / voxel_resolution <= 0.1)) return true;
+  const double step = std::min(std::fabs(dot(d, ni)), std::fabs(dot(d, nj))) - sine * tolerance.seed;
+  if (!(step <= tolerance.step)) return true;
   const bool flat = dot(ni, nj) > kCosine10 + kMargin;
-  const bool convex = dot(ni - nj, d) >= 0 || flat || angle_degrees(ni, nj) < 10;
+  const bool convex = dot(ni - nj, d) >= 0 || flat || angle_degrees(ni, nj) < tolerance.angle;
   if (!convex) return true;
   // Sanity: the line between the centroids must not run along the fold. A perfect plane has no fold.
   const double length = norm(d);
@@ -65,8 +72,9 @@ absl::Status find_border_evidence(const FrameContext& frame, const RegionGraph& 
   evidence.resize(graph.edges.size());
   check.for_each(0, graph.edges.size(), [&](std::size_t e) {
     const auto [a, b] = graph.edges[e];
-    const bool cut = is_cut(graph.regions[a].centroid, normal[a], graph.regions[b].centroid, normal[b],
-                            frame.settings.voxel_resolution, frame.settings.seed_resolution);
+    const Region &ra = graph.regions[a], &rb = graph.regions[b];
+    const bool cut = is_cut(ra.centroid, normal[a], rb.centroid, normal[b],
+                            tolerance_at(frame.scale, constants, 0.5 * (ra.centroid.z + rb.centroid.z)));
     const double z = (cut ? constants.cut_weight : 0) + constants.concavity_weight * borders[e].concavity +
                      constants.color_weight * difference[e];
     evidence[e] = {borders[e].contacts, borders[e].contacts * z};
@@ -78,20 +86,20 @@ BorderMetric::BorderMetric(const RegionGraph& graph, std::vector<BorderEvidence>
                            const BorderConstants& constants)
     : constants_(constants), min_points_(min_points), evidence_(std::move(evidence)) {
   for (const Region& region : graph.regions) {
-    area_.push_back(region.area);
-    size_term_.push_back(size_term(region.area));
+    voxels_.push_back(region.voxels);
+    size_term_.push_back(size_term(region.voxels));
     points_.push_back(region.points);
   }
 }
 
-double BorderMetric::size_term(double area) const {
-  const double size = std::max(1.0, std::min(area, constants_.size_limit) / constants_.size_area);
+double BorderMetric::size_term(double voxels) const {
+  const double size = std::max(1.0, std::min(voxels, constants_.size_limit) / constants_.size);
   constexpr double kLn2 = 0.69314718055994530942;
   return size > 1 ? constants_.size_weight * math::ln(size) / kLn2 : 0;
 }
 
 double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const BorderEvidence& evidence) const {
-  const double size = area_[a] < area_[b] ? size_term_[a] : size_term_[b];
+  const double size = voxels_[a] < voxels_[b] ? size_term_[a] : size_term_[b];
   return evidence.sum / evidence.contacts - constants_.bias + size;
 }
 
@@ -100,8 +108,8 @@ double BorderMetric::weight(double dissimilarity) const {
 }
 
 void BorderMetric::merge(std::uint32_t into, std::uint32_t from) {
-  area_[into] += area_[from];
-  size_term_[into] = size_term(area_[into]);
+  voxels_[into] += voxels_[from];
+  size_term_[into] = size_term(voxels_[into]);
   points_[into] += points_[from];
 }
 

@@ -18,12 +18,14 @@ struct BorderConstants {
   double cut_weight = 6.7;        ///< of c: 1 if LCCP decides that the two supervoxels are not one surface (`is_cut`)
   double concavity_weight = 0.5;  ///< of k: a degree of concavity along the border
   double color_weight = 0.07;     ///< of E: a unit of CIEDE2000
-  double dead_zone = 4;           ///< degrees of concavity that count as none
+  DeadZone dead_zone{4, 40};      ///< of the concavity
+  double noise_angle = 40;        ///< degrees by which two flat supervoxels may differ more where the excess noise is 1
+  double noise_step = 10;         ///< by how many times a step may be higher where the excess noise is 1
   double bias = 14.5;             ///< evidence at which two small regions are as likely one object as two
-  double size_weight = 0.6;       ///< of each doubling of the smaller region's area beyond `size_area`
-  double size_area = 8e-4;        ///< m^2
-  double smallest_area = 12e-4;   ///< m^2; a smaller region with a neighbor does not stay on its own
-  double size_limit = 4e-2;       ///< m^2; larger areas count as this, so that far scenes are treated like near ones
+  double size_weight = 0.6;       ///< of each doubling of the smaller region beyond `size`
+  double size = 22;               ///< voxels
+  double smallest_size = 33;      ///< voxels; a smaller region with a neighbor does not stay on its own
+  double size_limit = 1100;  ///< voxels; larger regions count as this, so that far scenes are treated like near ones
 };
 
 /// The evidence of an edge that its regions are two objects, summed up over its contacts.
@@ -38,10 +40,16 @@ absl::Status find_border_evidence(const FrameContext& frame, const RegionGraph& 
                                   const std::vector<Border>& borders, const BorderConstants& constants,
                                   std::vector<BorderEvidence>& evidence);
 
+/// What is_cut allows two supervoxels of one surface.
+struct SurfaceTolerance {
+  double step = 0;    ///< the highest step between them, meters
+  double seed = 0;    ///< the distance of seeds, meters; the step may be higher where the surface folds within it
+  double angle = 10;  ///< the largest angle between their normals that is flat, degrees
+};
+
 /// The decision of LCCP (Stein et al. 2014) that two supervoxels are not one convex or smooth surface. Takes their
-/// centroids x and unit normals n, and the resolutions; all lengths are in meters.
-bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, double voxel_resolution,
-            double seed_resolution);
+/// centroids x, meters, and unit normals n.
+bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, const SurfaceTolerance& tolerance);
 
 /// The metric of the border method (a RegionMetric): the mean evidence over the border between two regions, less a
 /// bias, plus a term that grows with the smaller region. Both terms only grow with merging, so that the merge tree is
@@ -54,7 +62,7 @@ class BorderMetric {
   BorderMetric(const RegionGraph& graph, std::vector<BorderEvidence> evidence, std::uint32_t min_points,
                const BorderConstants& constants);
 
-  std::size_t region_count() const { return area_.size(); }
+  std::size_t region_count() const { return voxels_.size(); }
   std::uint32_t points(std::uint32_t r) const { return points_[r]; }
   const BorderEvidence& evidence(std::size_t edge) const { return evidence_[edge]; }
 
@@ -62,16 +70,16 @@ class BorderMetric {
   double dissimilarity(std::uint32_t a, std::uint32_t b, const BorderEvidence& evidence) const;
   /// The sigmoid: delta in [0, 1].
   double weight(double dissimilarity) const;
-  bool too_small(std::uint32_t r) const { return area_[r] < constants_.smallest_area || points_[r] < min_points_; }
+  bool too_small(std::uint32_t r) const { return voxels_[r] < constants_.smallest_size || points_[r] < min_points_; }
   void merge(std::uint32_t into, std::uint32_t from);
 
  private:
-  double size_term(double area) const;
+  double size_term(double voxels) const;
 
   BorderConstants constants_;
   std::uint32_t min_points_;
   std::vector<BorderEvidence> evidence_;
-  std::vector<double> area_;
+  std::vector<double> voxels_;
   std::vector<double> size_term_;  // which a region adds to the dissimilarity to a larger one
   std::vector<std::uint32_t> points_;
 };

@@ -58,20 +58,20 @@ std::optional<codec::Placement> read_placement(const v1::Placement& message) {
   return good ? std::optional(placement) : std::nullopt;
 }
 
-std::string too_sparse(const Segmentation& segmentation, const SupervoxelOptions& used) {
+std::string too_sparse(const Segmentation& segmentation, const Resolution& used) {
   constexpr double kLargest = 1;  // meters; larger voxels cannot be asked for
   const double fitting = *segmentation.fitting_resolution;
   std::string text = fmt::format(
       "nearly every voxel holds a single point ({} points, {} voxels): the unit of the "
       "coordinates (--unit) or voxel_resolution ({:g} m) is probably wrong; ",
-      segmentation.segmented_points, segmentation.voxels, used.voxel_resolution);
+      segmentation.segmented_points, segmentation.voxels, used.voxel);
   if (fitting > kLargest) return text + "even at 1 m the points would be too far apart";
   return text + fmt::format("at {:g} m a voxel would hold four points or more, with a seed_resolution of {:g} m",
-                            fitting, fitting * used.seed_resolution / used.voxel_resolution);
+                            fitting, fitting * used.seed / used.voxel);
 }
 
 /// What should be known about points that were left out, and about a resolution that does not fit.
-std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, const Options& options) {
+std::vector<codec::Warning> warnings_of(const Segmentation& segmentation) {
   using codec::WarningReason;
   std::vector<codec::Warning> warnings;
   if (const std::size_t zeros = segmentation.zero_points; zeros > 0) {
@@ -84,16 +84,16 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, const 
                                                                    far == 1 ? "" : "s", far == 1 ? "is" : "are")});
   }
   constexpr std::size_t kFewVoxels = 100, kManyPoints = 1000;
-  const SupervoxelOptions used = supervoxel_options(options);
+  const Resolution& used = segmentation.resolution;
   if (segmentation.segmented_points == 0) {
     warnings.push_back({WarningReason::kNoPoints,
                         "no point was segmented: all of them are not finite, no measurements, or outside the crop box "
                         "or the range"});
   } else if (segmentation.segmented_points >= kManyPoints && segmentation.voxels < kFewVoxels) {
-    warnings.push_back({WarningReason::kTooDense,
-                        fmt::format("{} points lie in {} voxels: the unit of the coordinates (--unit) or "
-                                    "voxel_resolution ({:g} m) is probably wrong",
-                                    segmentation.segmented_points, segmentation.voxels, used.voxel_resolution)});
+    warnings.push_back(
+        {WarningReason::kTooDense, fmt::format("{} points lie in {} voxels: the unit of the coordinates (--unit) or "
+                                               "voxel_resolution ({:g} m) is probably wrong",
+                                               segmentation.segmented_points, segmentation.voxels, used.voxel)});
   } else if (segmentation.fitting_resolution) {
     warnings.push_back({WarningReason::kTooSparse, too_sparse(segmentation, used)});
   }
@@ -112,6 +112,15 @@ void fill_timings(const CallTimings& call, const StageTimings& stages, v1::Timin
   timings.set_segments_ms(stages.segments);
 }
 
+v1::Resolution resolution_message(const Resolution& resolution) {
+  v1::Resolution message;
+  message.set_voxel_resolution(resolution.voxel);
+  message.set_seed_resolution(resolution.seed);
+  message.set_reason(std::string(name(resolution.reason)));
+  if (resolution.noise_depth) message.set_noise_depth(*resolution.noise_depth);
+  return message;
+}
+
 void fill_summary(const Result& result, v1::ResultSummary& summary) {
   const Segmentation& segmentation = result.segmentation;
   summary.set_points(result.points);
@@ -125,6 +134,7 @@ void fill_summary(const Result& result, v1::ResultSummary& summary) {
   if (segmentation.threshold) summary.set_threshold(*segmentation.threshold);
   if (result.regions) summary.set_regions(*result.regions);
   summary.set_lambda(segmentation.lambda);
+  *summary.mutable_resolution() = resolution_message(segmentation.resolution);
   *summary.mutable_view() = to_message(result.view);
   summary.set_view_rule(result.view_rule);
   for (const codec::Warning& warning : result.warnings) {
@@ -167,6 +177,14 @@ absl::Status check_numbers(const v1::ResultSummary& summary, std::size_t points)
   return absl::OkStatus();
 }
 
+/// A reason that this version does not know counts as "given".
+Resolution read_resolution(const v1::Resolution& message) {
+  Resolution resolution{message.voxel_resolution(), message.seed_resolution(), ResolutionReason::kGiven, std::nullopt};
+  resolution.reason = resolution_reason(message.reason()).value_or(ResolutionReason::kGiven);
+  if (message.has_noise_depth()) resolution.noise_depth = message.noise_depth();
+  return resolution;
+}
+
 absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_t points) {
   RETURN_IF_ERROR(check_numbers(summary, points));
   std::vector<FieldViolation> faults;
@@ -183,6 +201,7 @@ absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_
   result.segmentation.voxels = summary.voxels();
   if (summary.has_threshold()) result.segmentation.threshold = summary.threshold();
   result.segmentation.lambda = summary.lambda();
+  result.segmentation.resolution = read_resolution(summary.resolution());
   read_timings(summary.timings(), result.timings, result.segmentation.timings);
   result.points = points;
   result.supervoxels = summary.supervoxels();
@@ -216,7 +235,7 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
   result.view_rule = std::move(view_rule);
   result.server_version = std::move(version);
   result.options_hash = options_hash(options);
-  result.warnings = warnings_of(segmentation, options);
+  result.warnings = warnings_of(segmentation);
   result.segmentation = std::move(segmentation);
   return result;
 }

@@ -24,9 +24,10 @@ std::vector<std::uint32_t> labels_of(const pcl::PointCloud<pcl::PointXYZL>& clou
 
 VccsSettings same_as(const Options& options) {
   const SupervoxelOptions o = supervoxel_options(options);
-  return {static_cast<float>(o.voxel_resolution), static_cast<float>(o.seed_resolution),
-          static_cast<float>(o.color_weight), static_cast<float>(o.spatial_weight),
-          static_cast<float>(o.normal_weight)};
+  constexpr double kVoxel = 0.0075, kSeed = 0.03;  // where the cloud would decide
+  return {static_cast<float>(o.voxel_resolution.value_or(kVoxel)),
+          static_cast<float>(o.seed_resolution.value_or(kSeed)), static_cast<float>(o.color_weight),
+          static_cast<float>(o.spatial_weight), static_cast<float>(o.normal_weight)};
 }
 
 struct PclCloud::Points {

@@ -36,9 +36,11 @@ std::span<const Method> all_methods();
 /// the units and ranges of all options.
 struct Options {
   Method method = Method::kBorder;
-  /// Edge of a voxel, meters. In a CAMERA view it is the edge at 1 m distance, and grows in proportion to z.
+  /// Edge of a voxel, meters. In a CAMERA view it is the edge at 1 m distance, and grows in proportion to z. If it is
+  /// unset, the border method takes one that fits the cloud (Segmentation::resolution).
   std::optional<double> voxel_resolution = std::nullopt;
-  /// Distance between the seeds of supervoxels, meters.
+  /// Distance between the seeds of supervoxels, meters. With the border method in a CAMERA view it is the distance at
+  /// 1 m, and grows in proportion to z. If it is unset, the border method takes four times the edge of a voxel.
   std::optional<double> seed_resolution = std::nullopt;
   /// Weights of the three terms of the supervoxel distance (VCCS): the RGB distance over 255, the Euclidean distance
   /// over the seed resolution, and 1 - |cos| of the angle between the normals.
@@ -79,7 +81,7 @@ double default_threshold(Method method);
 
 /// The options of voxels and supervoxels, resolved; see Options.
 struct SupervoxelOptions {
-  double voxel_resolution, seed_resolution;  ///< meters
+  std::optional<double> voxel_resolution, seed_resolution;  ///< meters; unset where the cloud decides
   double color_weight, spatial_weight, normal_weight;
 };
 SupervoxelOptions supervoxel_options(const Options& options);

@@ -14,6 +14,7 @@
 #include "segserve/cloud.hpp"
 #include "segserve/merge_tree.hpp"
 #include "segserve/options.hpp"
+#include "segserve/resolution.hpp"
 #include "segserve/segment_statistics.hpp"
 #include "segserve/stop_token.hpp"
 #include "segserve/support_plane.hpp"
@@ -52,6 +53,7 @@ struct Segmentation {
   /// If nearly every voxel holds a single point and has no neighbors to grow with, a voxel_resolution, meters, at which
   /// a voxel would hold about four. The resolution, or the unit of the coordinates, is then probably wrong.
   std::optional<double> fitting_resolution;
+  Resolution resolution;            ///< of voxels and supervoxels, and why
   std::optional<double> threshold;  ///< of the cut; unset if the options ask for a number of regions
   /// The weight of color against geometry that a method of the paper used; 1/2 for Equalization. 0 with the border
   /// method, which has no such weight.

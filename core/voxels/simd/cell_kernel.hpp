@@ -87,7 +87,9 @@ SEGSERVE_INLINE Ints find_cell(const CellInput in, Floats x, Floats y, Floats z,
     const Ints deep = z >= CellMapping::kSmallestDepth;
     valid &= deep;
     const Floats depth = deep ? z : 1.0F - Floats{};
-    x /= depth, y /= depth, z = logarithm(depth);
+    x /= depth, y /= depth;
+    const Floats elongated = in.elongation_depth_logarithm + (1.0F - in.elongation_depth / depth);
+    z = depth > in.elongation_depth ? elongated : logarithm(depth);
   }
   x *= in.cells_per_meter, y *= in.cells_per_meter, z *= in.cells_per_meter;
   valid &= in_range(x, y, z, CellMapping::kCellLimit);

@@ -18,6 +18,7 @@ struct CellInput {
   const float *x, *y, *z;
   bool camera;
   float cells_per_meter, units_per_meter;
+  float elongation_depth, elongation_depth_logarithm;
   const SelectionLimits* selection;  ///< null selects all points
 };
 

@@ -54,7 +54,7 @@ TEST(MeasureBorders, EqualsAllPairsOfVoxels) {
   const RegionGraph graph = test::build_region_graph(frame, s);
   const ExpectedBorders expected = borders_of_all_pairs(s);
   std::vector<Border> borders;
-  ASSERT_TRUE(measure_borders(frame, graph, s.grid, s.normals, kDeadZone, borders).ok());
+  ASSERT_TRUE(measure_borders(frame, graph, s.grid, s.normals, {kDeadZone}, borders).ok());
   ASSERT_EQ(borders.size(), expected.size());
   for (std::size_t e = 0; e < borders.size(); ++e) {
     const ExpectedBorder& border = expected.at({graph.edges[e].a, graph.edges[e].b});
@@ -71,7 +71,7 @@ TEST(MeasureBorders, StopsWhenAsked) {
   const std::atomic<bool> cancelled = true;
   const test::TestFrame stopped(cloud, coarse_options(), StopToken(&cancelled));
   std::vector<Border> borders;
-  EXPECT_EQ(measure_borders(stopped, graph, s.grid, s.normals, kDeadZone, borders).code(),
+  EXPECT_EQ(measure_borders(stopped, graph, s.grid, s.normals, {kDeadZone}, borders).code(),
             absl::StatusCode::kCancelled);
 }
 

@@ -70,7 +70,7 @@ TEST(Seeds, SelectionStopsWhenAsked) {
   const std::atomic<bool> cancelled = true;
   const TestFrame frame(cloud, test::paper_options(), StopToken(&cancelled));
   Seeds seeds;
-  EXPECT_EQ(SeedSelection().run(frame, s.grid, seeds).code(), absl::StatusCode::kCancelled);
+  EXPECT_EQ(SeedSelection().run(frame, s.grid.centroid, seeds).code(), absl::StatusCode::kCancelled);
 }
 
 TEST(Growth, AssignsEveryVoxelToExactlyOneSupervoxel) {
@@ -124,8 +124,11 @@ TEST(Growth, GivesTheSameSupervoxelsWithTheBuffersOfOtherFrames) {
     const SupervoxelStages expected = test::run_supervoxel_stages(*frame);
     Seeds seeds;
     Supervoxels supervoxels;
-    ASSERT_TRUE(selector.run(*frame, expected.grid, seeds).ok());
-    ASSERT_TRUE(grower.run(*frame, expected.grid, expected.adjacency, expected.normals, seeds, supervoxels).ok());
+    ASSERT_TRUE(selector.run(*frame, expected.grid.centroid, seeds).ok());
+    ASSERT_TRUE(grower
+                    .run(*frame, expected.grid, expected.grid.centroid, expected.adjacency, expected.normals, seeds,
+                         supervoxels)
+                    .ok());
     EXPECT_EQ(seeds.chosen, expected.seeds.chosen);
     EXPECT_EQ(supervoxels.supervoxel_of_voxel, expected.supervoxels.supervoxel_of_voxel);
   }
@@ -137,7 +140,7 @@ TEST(Growth, StopsWhenAsked) {
   const std::atomic<bool> cancelled = true;
   const TestFrame frame(cloud, test::paper_options(), StopToken(&cancelled));
   Supervoxels supervoxels;
-  EXPECT_EQ(SupervoxelGrowth().run(frame, s.grid, s.adjacency, s.normals, s.seeds, supervoxels).code(),
+  EXPECT_EQ(SupervoxelGrowth().run(frame, s.grid, s.grid.centroid, s.adjacency, s.normals, s.seeds, supervoxels).code(),
             absl::StatusCode::kCancelled);
 }
 

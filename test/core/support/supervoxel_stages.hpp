@@ -11,6 +11,7 @@
 #include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
 #include "core/voxels/voxel_grid.hpp"
+#include "core/voxels/voxel_positions.hpp"
 #include "core/voxels/voxelization.hpp"
 #include "test/core/support/clouds.hpp"
 #include "test/core/support/test_frame.hpp"
@@ -32,6 +33,7 @@ struct SupervoxelStages {
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
+  std::vector<Vec3> positions;  ///< empty unless the scale is in proportion
   Seeds seeds;
   Supervoxels supervoxels;
 };
@@ -41,8 +43,10 @@ inline SupervoxelStages run_supervoxel_stages(const FrameContext& frame) {
   EXPECT_TRUE(Voxelization().run(frame, s.grid).ok());
   EXPECT_TRUE(find_adjacency(frame, s.grid, s.adjacency).ok());
   EXPECT_TRUE(TwoRingNormals().run(frame, s.grid, s.adjacency, s.normals).ok());
-  EXPECT_TRUE(SeedSelection().run(frame, s.grid, s.seeds).ok());
-  EXPECT_TRUE(SupervoxelGrowth().run(frame, s.grid, s.adjacency, s.normals, s.seeds, s.supervoxels).ok());
+  EXPECT_TRUE(find_positions(frame, s.grid, s.positions).ok());
+  const std::vector<Vec3>& positions = s.positions.empty() ? s.grid.centroid : s.positions;
+  EXPECT_TRUE(SeedSelection().run(frame, positions, s.seeds).ok());
+  EXPECT_TRUE(SupervoxelGrowth().run(frame, s.grid, positions, s.adjacency, s.normals, s.seeds, s.supervoxels).ok());
   return s;
 }
 

@@ -80,7 +80,7 @@ VoxelAdjacency by_definition(const VoxelGrid& grid, const VoxelAdjacency& before
   for (int reach = 2; reach <= options.reach; ++reach) {
     const std::vector<std::uint32_t> component = components(rows());
     const auto is_small = [&](std::uint32_t v) {
-      return static_cast<double>(std::ranges::count(component, component[v])) * kVoxel * kVoxel < options.area;
+      return std::ranges::count(component, component[v]) < static_cast<std::ptrdiff_t>(options.voxels);
     };
     for (std::uint32_t v = 0; v < n; ++v) {
       for (std::uint32_t u = 0; u < n; ++u) {
@@ -93,9 +93,8 @@ VoxelAdjacency by_definition(const VoxelGrid& grid, const VoxelAdjacency& before
 }
 
 TEST(ComponentBridging, EqualsTheDefinition) {
-  // The clouds are so sparse that small components remain at every reach. The area is that of 11.5 voxels, so that
-  // rounding does not decide which components are small.
-  const BridgingOptions options{.area = 11.5 * kVoxel * kVoxel, .reach = 4};
+  // The clouds are so sparse that small components remain at every reach.
+  const BridgingOptions options{.voxels = 12, .reach = 4};
   for (const std::size_t points : {60U, 150U, 400U, 1200U}) {
     const Bridged b = bridged(test::random_cloud(points, 0.3F, 0, View::world()), options);
     const VoxelAdjacency expected = by_definition(b.grid, b.before, options);

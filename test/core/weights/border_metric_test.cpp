@@ -18,50 +18,59 @@ namespace segserve {
 namespace {
 
 constexpr Vec3 kFlat{0, 0, 1};
+constexpr SurfaceTolerance kTolerance{.step = 0.00075, .seed = 0.03, .angle = 10};
 
 /// A unit vector in the x-z plane, `degrees` from up towards +x.
 Vec3 tilted(double degrees) { return {math::sin(degrees * math::kDegree), 0, math::cos(degrees * math::kDegree)}; }
 
 TEST(IsCut, KeepsAPlaneTogether) {
-  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, 0}, kFlat, 0.0075, 0.03));
-  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0, 0, 0}, kFlat, 0.0075, 0.03));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, 0}, kFlat, kTolerance));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0, 0, 0}, kFlat, kTolerance));
 }
 
 TEST(IsCut, KeepsAConvexFoldAndCutsAConcaveOne) {
   // First the top of a box and its right side, then a floor and a wall to its right.
-  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.015, 0, -0.015}, tilted(90), 0.0075, 0.03));
-  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.015, 0, 0.015}, tilted(-90), 0.0075, 0.03));
-  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, 0.001}, tilted(-8), 0.0075, 0.03)) << "hardly concave";
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.015, 0, -0.015}, tilted(90), kTolerance));
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.015, 0, 0.015}, tilted(-90), kTolerance));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, 0.001}, tilted(-8), kTolerance)) << "hardly concave";
 }
 
 TEST(IsCut, CutsAStep) {
-  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.02, 0, -0.02}, kFlat, 0.0075, 0.03));
-  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, -0.0005}, kFlat, 0.0075, 0.03)) << "within a tenth of a voxel";
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.02, 0, -0.02}, kFlat, kTolerance));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.03, 0, -0.0005}, kFlat, kTolerance)) << "within a tenth of a voxel";
+}
+
+TEST(IsCut, AllowsWhatNoiseExplains) {
+  SurfaceTolerance noisy = kTolerance;
+  noisy.angle = 50;
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.015, 0, 0.004}, tilted(-30), kTolerance));
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.015, 0, 0.004}, tilted(-30), noisy));
+  noisy.step = 0.03;
+  EXPECT_FALSE(is_cut({0, 0, 0}, kFlat, {0.02, 0, -0.02}, kFlat, noisy));
 }
 
 TEST(IsCut, CutsWhereTheLineOfCentroidsRunsAlongTheFold) {
   // The fold is convex, but the regions lie side by side along it.
-  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.001, 0.03, 0}, tilted(60), 0.0075, 0.03));
+  EXPECT_TRUE(is_cut({0, 0, 0}, kFlat, {0.001, 0.03, 0}, tilted(60), kTolerance));
 }
 
-RegionGraph regions(const std::vector<double>& areas) {
+RegionGraph regions(const std::vector<double>& voxels) {
   RegionGraph graph;
-  for (const double area : areas) {
+  for (const double size : voxels) {
     Region region;
-    region.voxels = 1;
+    region.voxels = size;
     region.points = static_cast<std::uint32_t>(10 + graph.regions.size());
-    region.area = area;
     graph.regions.push_back(region);
   }
   return graph;
 }
 
 TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
-  BorderMetric metric(regions({4e-4, 16e-4, 64e-4}), {}, 0, {});
-  EXPECT_DOUBLE_EQ(metric.dissimilarity(0, 2, {4, 4 * 14.5}), 0) << "the smaller region is below size_area";
+  BorderMetric metric(regions({11, 44, 176}), {}, 0, {});
+  EXPECT_DOUBLE_EQ(metric.dissimilarity(0, 2, {4, 4 * 14.5}), 0) << "the smaller region is below the size that counts";
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6, 1e-12) << "one doubling";
   EXPECT_EQ(metric.dissimilarity(1, 2, {3, 7}), metric.dissimilarity(2, 1, {3, 7}));
-  BorderMetric large(regions({0.04, 4, 4}), {}, 0, {});
+  BorderMetric large(regions({1100, 110000, 110000}), {}, 0, {});
   EXPECT_EQ(large.dissimilarity(0, 1, {1, 10}), large.dissimilarity(1, 2, {1, 10})) << "beyond size_limit";
   metric.merge(1, 0);
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6 * std::log2(2.5), 1e-12);

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "segserve/cloud.hpp"
+#include "segserve/options.hpp"
+
+namespace segserve {
+
+/// How large the voxels and supervoxels of a frame are, everywhere in the scene.
+struct VoxelScale {
+  static constexpr double kSeedsPerVoxel = 4;  ///< of a seed resolution that follows the voxels
+
+  double voxel = 0;  ///< edge of a voxel, meters; in a CAMERA view at 1 m distance
+  double seed = 0;   ///< distance between the seeds of supervoxels, meters
+  /// Whether all lengths, not only the edge of a voxel, are in proportion to z, so that a scene and its copy at twice
+  /// the distance are segmented alike. `seed` is then the distance at 1 m. Only the border method in a CAMERA view does
+  /// so: the paper's variants have seeds at fixed distances, as PCL.
+  bool in_proportion = false;
+  /// CAMERA view: the depth, meters, from which voxels are deeper than wide, because neighboring points of a surface
+  /// lie farther apart in depth than the edge of a voxel, by noise or because the surface is seen at a grazing angle.
+  /// The depth of voxels then grows with the square of z, as both of these do.
+  double elongation_depth = std::numeric_limits<double>::infinity();
+  /// CAMERA view: the depth, meters, from which the noise of the sensor exceeds the edge of a voxel.
+  double noise_depth = std::numeric_limits<double>::infinity();
+
+  /// By how much a voxel at depth z is deeper than wide.
+  double elongation(double z) const { return z > elongation_depth ? z / elongation_depth : 1; }
+
+  /// By how many edges of a voxel the noise at depth z exceeds one edge, in [0, 1]. It ends at 1, because corners of a
+  /// right angle stay visible in any noise.
+  double excess_noise(double z) const { return z > noise_depth ? std::min(1.0, z / noise_depth - 1) : 0; }
+};
+
+/// The scale for which the options ask. Where they leave it to the cloud, it is the finest that choose_scale takes for
+/// scenes of the usual size: 6 mm at 1 m in a CAMERA view and 7.5 mm in a WORLD view.
+inline VoxelScale requested_scale(const Options& options, const View& view) {
+  constexpr double kCameraVoxel = 0.006, kWorldVoxel = 0.0075;
+  const bool camera = view.kind == ViewKind::kCamera;
+  VoxelScale scale;
+  scale.voxel = options.voxel_resolution.value_or(camera ? kCameraVoxel : kWorldVoxel);
+  scale.seed = options.seed_resolution.value_or(VoxelScale::kSeedsPerVoxel * scale.voxel);
+  scale.in_proportion = camera && options.method == Method::kBorder;
+  return scale;
+}
+
+}  // namespace segserve

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scale/cloud_sampling.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "absl/container/flat_hash_map.h"
+#include "absl/container/flat_hash_set.h"
+#include "core/math/elementary.hpp"
+#include "core/math/random.hpp"
+#include "core/math/symmetric_matrix3.hpp"
+#include "core/scale/quantile.hpp"
+#include "core/voxels/point_selection.hpp"
+
+namespace segserve {
+namespace {
+
+constexpr std::size_t kFewestPoints = 64;  // fewer tell nothing
+
+/// A cell of a cubic grid, with room for coordinates of +-2^20 cells; those beyond are cut off.
+struct Cell {
+  std::int32_t x, y, z;
+  bool operator==(const Cell&) const = default;
+  template <typename H>
+  friend H AbslHashValue(H h, const Cell& c) {
+    return H::combine(std::move(h), c.x, c.y, c.z);
+  }
+};
+
+/// A hash that is the same in every process, unlike that of absl.
+std::uint64_t hash_of(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  return mix(mix((std::uint64_t{x} << 32U) | y) + z);
+}
+std::uint64_t hash_of(const Cell& c) {
+  return hash_of(static_cast<std::uint32_t>(c.x), static_cast<std::uint32_t>(c.y), static_cast<std::uint32_t>(c.z));
+}
+/// Whether a hash is among this share of all.
+bool is_among(std::uint64_t hash, double share) { return unit_interval(hash) < share; }
+
+Cell cell_at(const Vec3& p, double edge) {
+  const auto index = [edge](double meters) {
+    constexpr double kMost = 1'000'000'000;
+    return math::floor_to_int(std::clamp(meters / edge, -kMost, kMost));
+  };
+  return {index(p.x), index(p.y), index(p.z)};
+}
+
+class SamplingEstimate {
+ public:
+  SamplingEstimate(const FrameContext& frame, StopCheck& check)
+      : cloud_(frame.cloud), selection_(frame.options, frame.view()), check_(check) {}
+
+  CloudSampling run() {
+    thin_out();
+    if (points_ < kFewestPoints || thin_.size() < kFewestPoints || check_.stopped()) return {};
+    CloudSampling sampling;
+    sampling.extent = extent();
+    if (sampling.extent <= 0) return {};
+    choose_blocks(sampling.extent);
+    gather_sample();
+    if (sample_.size() < kFewestPoints || check_.stopped()) return sampling;
+    sampling.connected_edge = connected_edge();
+    if (sampling.connected_edge > 0) sampling.noise = noise(5 * sampling.connected_edge);
+    return sampling;
+  }
+
+ private:
+  template <typename Each>
+  void for_each_point(Each&& each) {
+    check_.for_each(0, cloud_.size(), [&](std::size_t i) {
+      const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
+      if (is_finite(x, y, z) && selection_.selects(x, y, z)) each(x, y, z);
+    });
+  }
+
+  /// Takes points evenly from the whole cloud. Those that it takes depend on their coordinates alone.
+  void thin_out() {
+    constexpr double kWanted = 16384;
+    const double share = kWanted / static_cast<double>(cloud_.size());
+    const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
+    for_each_point([&](float x, float y, float z) {
+      ++points_;
+      if (is_among(hash_of(bits(x), bits(y), bits(z)), share)) thin_.push_back({x, y, z});
+    });
+  }
+
+  double extent() const {
+    Vec3 size;
+    for (double Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
+      std::vector<double> values;
+      for (const Vec3& p : thin_) values.push_back(p.*axis);
+      size.*axis = quantile(values, 0.95) - quantile(values, 0.05);
+    }
+    return norm(size);
+  }
+
+  /// Sets the edge of the blocks of which a few are looked at closely, such that each holds hundreds of points.
+  void choose_blocks(double extent) {
+    constexpr double kPointsOfBlock = 512, kThinPointsOfBlock = 4;
+    const auto thin = static_cast<double>(thin_.size());
+    block_edge_ = 2 * extent;
+    while (!check_.stopped()) {
+      const double edge = 0.5 * block_edge_;
+      const std::size_t blocks = count_blocks(edge);
+      const auto count = static_cast<double>(blocks);
+      if (static_cast<double>(points_) < kPointsOfBlock * count || thin < kThinPointsOfBlock * count) break;
+      block_edge_ = edge;
+      blocks_ = blocks;
+      if (blocks_ > 1 && block_edge_ < 1e-6 * extent) break;  // Many points at one place.
+    }
+  }
+
+  std::size_t count_blocks(double edge) {
+    absl::flat_hash_set<Cell> blocks;
+    check_.for_each(0, thin_.size(), [&](std::size_t i) { blocks.insert(cell_at(thin_[i], edge)); });
+    return blocks.size();
+  }
+
+  void gather_sample() {
+    constexpr std::size_t kMost = 131072;
+    constexpr int kTries = 4;
+    double wanted = 32768;
+    for (int i = 0; i < kTries && !check_.stopped(); ++i) {
+      share_ = wanted / static_cast<double>(points_);
+      sample_.clear();
+      for_each_point([&](float x, float y, float z) {
+        const Vec3 p{x, y, z};
+        if (sample_.size() <= kMost && is_in_sample(p)) sample_.push_back(p);
+      });
+      if (sample_.size() > kMost) {
+        block_edge_ *= 0.5;  // Most points lie in one block.
+      } else if (sample_.size() < kFewestPoints && share_ < 1) {
+        wanted *= 16;
+      } else {
+        return;
+      }
+    }
+    sample_.clear();
+  }
+
+  bool is_in_sample(const Vec3& p) const { return share_ >= 1 || is_among(hash_of(cell_at(p, block_edge_)), share_); }
+
+  double connected_edge() {
+    constexpr double kStep = 1.1892071150027210667;  // 2^(1/4)
+    constexpr double kMostPoints = 4.5;              // of a voxel, in the mean
+    constexpr double kMostLoose = 0.03;              // share of points in voxels with few neighbors
+    constexpr int kMostSteps = 48;
+    const auto is_connected = [&](double edge) {
+      const Connectivity connectivity = connectivity_at(edge);
+      return connectivity.points_of_voxel >= kMostPoints || connectivity.loose <= kMostLoose;
+    };
+    // Begins where a voxel would hold about a point if each block held an even square of them.
+    double edge = block_edge_ * std::sqrt(static_cast<double>(blocks_) / static_cast<double>(points_));
+    const bool down = is_connected(edge);
+    for (int step = 0; step < kMostSteps && !check_.stopped(); ++step) {
+      const double next = down ? edge / kStep : edge * kStep;
+      if (is_connected(next) != down) return down ? edge : next;
+      edge = next;
+    }
+    return edge;
+  }
+
+  struct Connectivity {
+    double points_of_voxel = 0, loose = 1;
+  };
+
+  Connectivity connectivity_at(double edge) {
+    constexpr double kQueries = 2048;
+    constexpr int kFewNeighbors = 5;
+    absl::flat_hash_map<Cell, std::uint32_t> voxels;
+    check_.for_each(0, sample_.size(), [&](std::size_t i) { ++voxels[cell_at(sample_[i], edge)]; });
+    const double share = kQueries / static_cast<double>(voxels.size());
+    std::uint64_t points = 0, loose = 0;
+    for (const auto& [cell, count] : voxels) {
+      if (check_.after(1) || !is_among(hash_of(cell), share)) continue;
+      int neighbors = 0;
+      if (!count_neighbors(voxels, cell, edge, neighbors)) continue;
+      points += count;
+      if (neighbors < kFewNeighbors) loose += count;
+    }
+    const double mean = static_cast<double>(sample_.size()) / static_cast<double>(voxels.size());
+    return {mean, points == 0 ? 1 : static_cast<double>(loose) / static_cast<double>(points)};
+  }
+
+  /// Counts the occupied neighbors of a cell. Returns false if the sample does not know all of them.
+  bool count_neighbors(const absl::flat_hash_map<Cell, std::uint32_t>& voxels, const Cell& cell, double edge,
+                       int& neighbors) {
+    for (int dz = -1; dz <= 1; ++dz) {
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          if (check_.after(1)) return false;
+          const Cell other{cell.x + dx, cell.y + dy, cell.z + dz};
+          if (other == cell) continue;
+          if (voxels.contains(other)) {
+            ++neighbors;
+          } else if (!is_in_sample({(other.x + 0.5) * edge, (other.y + 0.5) * edge, (other.z + 0.5) * edge})) {
+            return false;
+          }
+        }
+      }
+    }
+    return true;
+  }
+
+  double noise(double edge) {
+    constexpr std::size_t kFewestCells = 16, kFewestPointsOfCell = 9;
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> order(sample_.size());
+    check_.for_each(0, sample_.size(), [&](std::size_t i) {
+      order[i] = {hash_of(cell_at(sample_[i], edge)), static_cast<std::uint32_t>(i)};
+    });
+    // Sums of doubles depend on their order, so points of a cell are sorted by their coordinates.
+    std::ranges::sort(order, [&](const auto& a, const auto& b) {
+      const auto key = [&](const auto& o) {
+        const Vec3& p = sample_[o.second];
+        return std::make_tuple(o.first, p.x, p.y, p.z);
+      };
+      return key(a) < key(b);
+    });
+    std::vector<double> deviations;
+    for (std::size_t begin = 0, end = 0; begin < order.size() && !check_.after(1); begin = end) {
+      while (end < order.size() && order[end].first == order[begin].first) ++end;
+      if (end - begin < kFewestPointsOfCell) continue;
+      const auto n = static_cast<double>(end - begin);
+      Vec3 mean;
+      for (std::size_t i = begin; i < end; ++i) mean += sample_[order[i].second];
+      mean = (1 / n) * mean;
+      Symmetric3 scatter;
+      for (std::size_t i = begin; i < end; ++i) scatter += outer(sample_[order[i].second] - mean);
+      const Vec3 normal = smallest_eigenvector(scatter);
+      if (normal == Vec3{}) continue;
+      double squares = 0;
+      for (std::size_t i = begin; i < end; ++i) {
+        const double distance = dot(normal, sample_[order[i].second] - mean);
+        squares += distance * distance;
+      }
+      deviations.push_back(std::sqrt(squares / (n - 3)));
+    }
+    return deviations.size() < kFewestCells ? 0 : quantile(deviations, 0.4);
+  }
+
+  const CloudView& cloud_;
+  const PointSelection selection_;
+  StopCheck& check_;
+  std::size_t points_ = 0;    // finite and selected
+  std::vector<Vec3> thin_;    // some points from everywhere
+  double block_edge_ = 0;     // meters
+  std::size_t blocks_ = 1;    // occupied ones
+  double share_ = 1;          // of the blocks that are in the sample
+  std::vector<Vec3> sample_;  // all points of some blocks
+};
+
+}  // namespace
+
+CloudSampling estimate_cloud_sampling(const FrameContext& frame, StopCheck& check) {
+  return SamplingEstimate(frame, check).run();
+}
+
+}  // namespace segserve

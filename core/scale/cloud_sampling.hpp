@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/base/frame_context.hpp"
+#include "core/base/stop_check.hpp"
+
+namespace segserve {
+
+/// How a WORLD view samples the scene, estimated from a few compact parts of it.
+struct CloudSampling {
+  /// The smallest edge of voxels, meters, at which surfaces hold together: nearly all points lie in a voxel with at
+  /// least five occupied neighbors of 26. Where the density varies much, as in the sweep of a LiDAR, it is the edge at
+  /// which a voxel holds 4.5 points in the mean. 0 if there are too few points to tell.
+  double connected_edge = 0;
+  /// The standard deviation of the points, meters, about the planes that fit them within five such voxels. It is the
+  /// 40th percentile, because surfaces that are not flat have larger ones. 0 if there are too few points to tell.
+  double noise = 0;
+  /// The diagonal of the box that holds 90 % of the points along each axis, meters.
+  double extent = 0;
+};
+
+/// O(N) for a look at all points, and some milliseconds for the parts. Depends neither on the order of the points nor
+/// on the CPU. Leaves off when `check` stops it.
+CloudSampling estimate_cloud_sampling(const FrameContext& frame, StopCheck& check);
+
+}  // namespace segserve

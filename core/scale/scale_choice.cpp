@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/scale/scale_choice.hpp"
+
+#include <algorithm>
+
+#include "core/base/status_macros.hpp"
+#include "core/base/stop_check.hpp"
+#include "core/scale/camera_sampling.hpp"
+#include "core/scale/cloud_sampling.hpp"
+
+namespace segserve {
+namespace {
+
+/// The range of voxel_resolution in the table of options, meters.
+constexpr double kSmallestVoxel = 0.001, kLargestVoxel = 1;
+
+/// Makes voxels at least so large, unless the options fix them.
+void enlarge(const FrameContext& frame, double edge, ResolutionReason reason, ChosenScale& chosen) {
+  if (frame.options.voxel_resolution || edge <= chosen.scale.voxel) return;
+  chosen.scale.voxel = std::min(edge, kLargestVoxel);
+  chosen.reason = reason;
+}
+
+void choose_for_camera(const FrameContext& frame, StopCheck& check, ChosenScale& chosen) {
+  constexpr double kPitches = 1.6, kNoise = 2, kGap = 3, kStep = 1.25;
+  VoxelScale& scale = chosen.scale;
+  CameraSampling sampling = estimate_camera_sampling(frame, scale.voxel, check);
+  enlarge(frame, kPitches * sampling.pitch, ResolutionReason::kSpacing, chosen);
+  // Where a column held a point at most, planes had too few of them.
+  if (chosen.reason == ResolutionReason::kSpacing) sampling = estimate_camera_sampling(frame, scale.voxel, check);
+  if (sampling.noise > 0) scale.noise_depth = scale.voxel / (kNoise * sampling.noise);
+  const double step = std::max(kGap * sampling.noise, kStep * sampling.slope);
+  if (step > 0) scale.elongation_depth = scale.voxel / step;
+}
+
+void choose_for_world(const FrameContext& frame, StopCheck& check, ChosenScale& chosen) {
+  constexpr double kVoxelsOfExtent = 100, kNoise = 7;
+  if (frame.options.voxel_resolution) return;
+  const CloudSampling sampling = estimate_cloud_sampling(frame, check);
+  if (const double fine = sampling.extent / kVoxelsOfExtent; fine > 0 && fine < chosen.scale.voxel) {
+    chosen.scale.voxel = std::max(fine, kSmallestVoxel);
+    chosen.reason = ResolutionReason::kExtent;
+  }
+  enlarge(frame, sampling.connected_edge, ResolutionReason::kSpacing, chosen);
+  enlarge(frame, kNoise * sampling.noise, ResolutionReason::kNoise, chosen);
+}
+
+}  // namespace
+
+absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame) {
+  ChosenScale chosen{frame.scale, ResolutionReason::kGiven};
+  if (frame.options.method != Method::kBorder) return chosen;
+  if (!frame.options.voxel_resolution) chosen.reason = ResolutionReason::kDense;
+  StopCheck check(frame.stop);
+  if (frame.view().kind == ViewKind::kCamera) {
+    choose_for_camera(frame, check, chosen);
+  } else {
+    choose_for_world(frame, check, chosen);
+  }
+  VoxelScale& scale = chosen.scale;
+  if (frame.options.seed_resolution) {
+    scale.voxel = std::min(scale.voxel, scale.seed);
+  } else {
+    scale.seed = VoxelScale::kSeedsPerVoxel * scale.voxel;
+  }
+  RETURN_IF_ERROR(check.status());
+  return chosen;
+}
+
+}  // namespace segserve
