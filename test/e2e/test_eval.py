@@ -10,6 +10,9 @@ import pcd
 
 PARTS = {"one_to_one": {"wov", "tp", "fp", "fn", "f"}, "paper_all": {"wov", "tp", "fp", "fn"},
          "paper_objects": {"wov", "tp", "fp", "fn"},
+         "instance": {"ap", "ap50", "ap75", "ar", "ar50", "ar75"}, "panoptic_all": {"pq", "sq", "rq"},
+         "panoptic_objects": {"pq", "sq", "rq"}, "overlap_objects": {"precision", "recall", "f", "objects_f75"},
+         "boundary": {"precision", "recall", "f"},
          "supervoxel_quality": {"achievable_accuracy", "undersegmentation_error", "boundary_recall"}}
 
 
@@ -38,6 +41,9 @@ class Eval(EndToEnd):
                 self.assertEqual(set(row[part]), scores)
                 self.assertTrue(all(0 <= value <= 1 for value in row[part].values()), row[part])
             self.assertGreaterEqual(row["supervoxels"], row["segments"])
+            counts = row["object_counts"]
+            self.assertEqual(set(counts), {"objects", "over_segmented", "under_segmented", "missed"})
+            self.assertGreaterEqual(counts["objects"], counts["over_segmented"])
             self.assertGreater(row["ms"], 0)
         wov = [row["one_to_one"]["wov"] for row in told["per_scene"]]
         self.assertAlmostEqual(told["one_to_one"]["wov"], sum(wov) / 3, places=12)

@@ -10,7 +10,9 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
-#include "core/lab/eval/boundary_recall.hpp"
+#include "core/lab/eval/boundary_scores.hpp"
+#include "core/lab/eval/instance_scores.hpp"
+#include "core/lab/eval/overlap_scores.hpp"
 #include "core/lab/eval/scores.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/cloud_file.hpp"
@@ -39,6 +41,36 @@ absl::StatusOr<Value> in_file(const fs::path& path, absl::StatusOr<Value> result
 
 bool has_objects(const Contingency& table) {
   return std::ranges::any_of(table.regions, [](const Part& region) { return region.label >= kFirstObjectLabel; });
+}
+
+void add_instance_metrics(const Contingency& segments, MetricValues& v) {
+  if (const auto instances = instance_scores(segments)) {
+    v[metric("instance.ap")] = instances->ap, v[metric("instance.ar")] = instances->ar;
+    v[metric("instance.ap50")] = instances->ap50, v[metric("instance.ar50")] = instances->ar50;
+    v[metric("instance.ap75")] = instances->ap75, v[metric("instance.ar75")] = instances->ar75;
+  }
+  if (const auto all = panoptic_scores(segments, Regions::kAll)) {
+    v[metric("panoptic_all.pq")] = all->pq, v[metric("panoptic_all.rq")] = all->rq;
+    v[metric("panoptic_all.sq")] = all->sq;
+  }
+  if (const auto objects = panoptic_scores(segments, Regions::kObjects)) {
+    v[metric("panoptic_objects.pq")] = objects->pq, v[metric("panoptic_objects.rq")] = objects->rq;
+    v[metric("panoptic_objects.sq")] = objects->sq;
+  }
+}
+
+void add_overlap_metrics(const Contingency& segments, MetricValues& v) {
+  const auto overlap = overlap_scores(segments);
+  if (!overlap) return;
+  v[metric("overlap_objects.precision")] = overlap->precision;
+  v[metric("overlap_objects.recall")] = overlap->recall;
+  v[metric("overlap_objects.f")] = overlap->f;
+  v[metric("overlap_objects.objects_f75")] = overlap->objects_f75;
+  const ObjectCounts counts = count_objects(segments);
+  v[metric("object_counts.objects")] = counts.objects;
+  v[metric("object_counts.over_segmented")] = counts.over_segmented;
+  v[metric("object_counts.under_segmented")] = counts.under_segmented;
+  v[metric("object_counts.missed")] = counts.missed;
 }
 
 absl::StatusOr<MetricValues> score_file(const fs::path& file, const Degradation& degradation,
@@ -106,6 +138,12 @@ absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Parti
     const Scores objects = paper_scores(segments, Regions::kObjects);
     v[metric("paper_objects.wov")] = objects.wov, v[metric("paper_objects.tp")] = objects.tp;
     v[metric("paper_objects.fp")] = objects.fp, v[metric("paper_objects.fn")] = objects.fn;
+  }
+  add_instance_metrics(segments, v);
+  add_overlap_metrics(segments, v);
+  if (const auto edges = boundary_scores(scene.label, partition.labels, scene.cloud.width, scene.cloud.height)) {
+    v[metric("boundary.precision")] = edges->precision, v[metric("boundary.recall")] = edges->recall;
+    v[metric("boundary.f")] = edges->f;
   }
   v[metric("variation_of_information")] = variation_of_information(segments);
   const SupervoxelScores quality = supervoxel_scores(supervoxels);

@@ -21,11 +21,12 @@ std::string row(std::string_view name, int name_width, const MetricValues& v) {
   return text + number(v[metric("ms")], 1, 9) + "\n";
 }
 
-std::string mean_line(std::string_view name, const MetricValues& v, std::initializer_list<std::size_t> metrics) {
+std::string mean_line(std::string_view name, const MetricValues& v, std::initializer_list<std::size_t> metrics,
+                      int digits = 4) {
   std::string text = fmt::format("{:<19}", name);
   for (const std::size_t m : metrics) {
     const std::string_view full = kMetrics[m].name;
-    text += fmt::format("  {} {}", full.substr(full.find('.') + 1), number(v[m], 4, 0));
+    text += fmt::format("  {} {}", full.substr(full.find('.') + 1), number(v[m], digits, 0));
   }
   return text + "\n";
 }
@@ -67,6 +68,21 @@ std::string to_text(const Report& report) {
   text += mean_line("paper, objects", v,
                     {metric("paper_objects.wov"), metric("paper_objects.tp"), metric("paper_objects.fp"),
                      metric("paper_objects.fn")});
+  text += mean_line("instances (objects)", v,
+                    {metric("instance.ap"), metric("instance.ap50"), metric("instance.ap75"), metric("instance.ar"),
+                     metric("instance.ar50"), metric("instance.ar75")});
+  text +=
+      mean_line("panoptic, all", v, {metric("panoptic_all.pq"), metric("panoptic_all.sq"), metric("panoptic_all.rq")});
+  text += mean_line("panoptic, objects", v,
+                    {metric("panoptic_objects.pq"), metric("panoptic_objects.sq"), metric("panoptic_objects.rq")});
+  text += mean_line("overlap, objects", v,
+                    {metric("overlap_objects.precision"), metric("overlap_objects.recall"), metric("overlap_objects.f"),
+                     metric("overlap_objects.objects_f75")});
+  text += mean_line("objects per scene", v,
+                    {metric("object_counts.objects"), metric("object_counts.over_segmented"),
+                     metric("object_counts.under_segmented"), metric("object_counts.missed")},
+                    2);
+  text += mean_line("boundaries", v, {metric("boundary.precision"), metric("boundary.recall"), metric("boundary.f")});
   text +=
       mean_line("supervoxels", v,
                 {metric("supervoxel_quality.achievable_accuracy"), metric("supervoxel_quality.undersegmentation_error"),

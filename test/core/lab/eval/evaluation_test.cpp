@@ -5,6 +5,9 @@
 
 #include <fstream>
 
+#include "core/lab/eval/boundary_scores.hpp"
+#include "core/lab/eval/instance_scores.hpp"
+#include "core/lab/eval/overlap_scores.hpp"
 #include "core/lab/eval/scores.hpp"
 #include "core/lab/synth/scene.hpp"
 #include "segserve/codec/cloud_file.hpp"
@@ -75,6 +78,12 @@ TEST_F(Folder, ScoresAreThoseOfTheSegmentation) {
   EXPECT_EQ(v[metric("one_to_one.wov")], one_to_one_scores(table).wov);
   EXPECT_EQ(v[metric("paper_all.tp")], paper_scores(table, Regions::kAll).tp);
   EXPECT_EQ(v[metric("paper_objects.wov")], paper_scores(table, Regions::kObjects).wov);
+  EXPECT_EQ(v[metric("instance.ap75")], instance_scores(table)->ap75);
+  EXPECT_EQ(v[metric("panoptic_all.rq")], panoptic_scores(table, Regions::kAll)->rq);
+  EXPECT_EQ(v[metric("panoptic_objects.pq")], panoptic_scores(table, Regions::kObjects)->pq);
+  EXPECT_EQ(v[metric("overlap_objects.precision")], overlap_scores(table)->precision);
+  EXPECT_EQ(v[metric("object_counts.over_segmented")], count_objects(table).over_segmented);
+  EXPECT_EQ(v[metric("boundary.f")], boundary_scores(first.label, expected.labels, 160, 120)->f);
   EXPECT_EQ(v[metric("supervoxel_quality.achievable_accuracy")],
             supervoxel_scores(*tabulate(first.label, expected.supervoxels)).achievable_accuracy);
   EXPECT_GT(*v[metric("supervoxel_quality.boundary_recall")], 0.5);
@@ -105,10 +114,16 @@ TEST_F(Folder, GroundTruthItselfScoresPerfectly) {
   const MetricValues v = run(truth)->front().values;
   for (const std::size_t m :
        {metric("one_to_one.wov"), metric("one_to_one.f"), metric("paper_all.tp"), metric("paper_objects.wov"),
+        metric("instance.ap"), metric("instance.ar75"), metric("panoptic_all.pq"), metric("panoptic_objects.sq"),
+        metric("overlap_objects.f"), metric("overlap_objects.objects_f75"), metric("boundary.f"),
         metric("supervoxel_quality.achievable_accuracy"), metric("supervoxel_quality.boundary_recall")}) {
     EXPECT_DOUBLE_EQ(*v[m], 1) << kMetrics[m].name;
   }
   EXPECT_EQ(v[metric("variation_of_information")], 0);
+  EXPECT_GT(v[metric("object_counts.objects")], 0);
+  EXPECT_EQ(v[metric("object_counts.over_segmented")], 0);
+  EXPECT_EQ(v[metric("object_counts.under_segmented")], 0);
+  EXPECT_EQ(v[metric("object_counts.missed")], 0);
 }
 
 TEST_F(Folder, AMethodSeesTheDegradedScene) {
