@@ -14,20 +14,23 @@
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "client/segctl/view_flag.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "core/lab/eval/evaluation.hpp"
 #include "core/lab/eval/report.hpp"
 #include "fmt/format.h"
+#include "segserve/codec/read_options.hpp"
 
 namespace segserve::segctl {
 namespace {
 
 constexpr const char* kDetails =
-    R"(Scenes are the .pcd and .ply files of the folder, with ground truth in the field "label": 0 is not scored, 1 to 9 are
-parts of the support (table, floor, walls), 10 and above are objects. Scores are means over the scenes, by two protocols
-that core/lab/eval/README.md defines: one_to_one, as in the paper's Table 1, and the paper's formulas, for all regions
-and for the objects. ms is the time of the segmentation alone, on one thread.
+    R"(Scenes are the clouds of the folder (PCD, PLY, LAS, text, NPY, NPZ; also .gz, .zst), with ground truth in the field
+"label" ("segment" in LAS): 0 is not scored, 1 to 9 are parts of the support (table, floor, walls), 10 and above are
+objects. Scores are means over the scenes: one_to_one, as in the paper's Table 1; the paper's formulas; instances,
+panoptic quality, overlap and boundaries as other papers have them. core/lab/eval/README.md defines them. ms is the time
+of the segmentation alone, on one thread. --view holds for the scenes of --learn, too.
 
 --learn takes the threshold among 0, 0.01, 0.02 and so on up to 1 that has the highest mean one_to_one tp on the scenes
 of its folder. These scenes are not degraded, and all of them must be readable.
@@ -36,7 +39,8 @@ A scene of --data that cannot be scored stops no other. Such scenes are listed a
 of the JSON. The exit code is then 2 if each of them is bad input, else 1.)";
 
 HelpText help() {
-  return {.common = {"--data", "--compare", "--learn", "--method", "--threshold", "--noise-mm", "--no-color", "--json"},
+  return {.common = {"--data", "--compare", "--learn", "--view", "--method", "--threshold", "--noise-mm", "--no-color",
+                     "--json"},
           .examples = R"(segctl eval --data osd/test --json default.json
 segctl eval --data osd/test --method lambda-convex --learn osd/learn
 segctl eval --data osd/test --noise-mm 5 --no-color
@@ -49,6 +53,7 @@ segctl synth --fused --seed 1 -o rooms/1.pcd; segctl eval --data rooms --thresho
 struct EvalArguments {
   std::string data;
   std::string learn;
+  std::string view;
   bool curve = false;
   OptionFlags options;
   DegradationFlags degradation;
@@ -66,6 +71,12 @@ void EvalArguments::add_to(CLI::App& app) {
                                 ->type_name("DIR")
                                 ->needs(data_flag)
                                 ->group("Scenes");
+  app.add_option("--view", view,
+                 "where the sensor of all scenes is: camera, world, or world:X,Y,Z with its position in meters; "
+                 "default: what each file says, or its points make plain")
+      ->type_name("VIEW")
+      ->needs(data_flag)
+      ->group("Scenes");
   app.add_flag("--curve", curve, "list the tp of every threshold in the JSON")->needs(learn_flag)->group("Scenes");
   app.add_option("--compare", compare, "compare two results of --json, scene by scene")
       ->type_name("A.json B.json")
@@ -114,19 +125,29 @@ absl::StatusOr<Options> check_options(const EvalArguments& arguments) {
   return options;
 }
 
-absl::StatusOr<eval::LearnedThreshold> learn(const EvalArguments& arguments, const Options& options) {
+/// What of the files the command line knows better.
+absl::StatusOr<codec::ReadOptions> read_options(const EvalArguments& arguments) {
+  codec::ReadOptions read;
+  if (!arguments.view.empty()) {
+    ASSIGN_OR_RETURN(read.view, parse_view(arguments.view));
+  }
+  return read;
+}
+
+absl::StatusOr<eval::LearnedThreshold> learn(const EvalArguments& arguments, const Options& options,
+                                             const codec::ReadOptions& read) {
   ASSIGN_OR_RETURN(const auto files, eval::scene_files(arguments.learn));
   const ProgressBar bar("learning");
-  ASSIGN_OR_RETURN(auto sweep,
-                   eval::learn_threshold(files, options, [&](auto done, auto all) { bar.show(done, all); }));
+  ASSIGN_OR_RETURN(auto sweep, eval::learn_threshold(
+                                   files, options, [&](auto done, auto all) { bar.show(done, all); }, read));
   return eval::LearnedThreshold{arguments.learn, std::move(sweep), arguments.curve};
 }
 
 eval::Evaluation score(const std::vector<std::filesystem::path>& files, const eval::Degradation& degradation,
-                       const Options& options) {
+                       const Options& options, const codec::ReadOptions& read) {
   const ProgressBar bar("scoring");
-  return eval::evaluate(files, degradation, eval::with_options(options),
-                        [&](auto done, auto all) { bar.show(done, all); });
+  return eval::evaluate(
+      files, degradation, eval::with_options(options), [&](auto done, auto all) { bar.show(done, all); }, read);
 }
 
 /// Lists the scenes that failed. INVALID_ARGUMENT if each of them is bad input.
@@ -148,14 +169,16 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
   report.folder = arguments.data;
   report.degradation = arguments.degradation.degradation();
   RETURN_IF_ERROR(eval::check(report.degradation));
+  ASSIGN_OR_RETURN(const codec::ReadOptions read, read_options(arguments));
+  if (read.view) report.view = view_text(*read.view);
   ASSIGN_OR_RETURN(const auto files, eval::scene_files(arguments.data));
 
   if (!arguments.learn.empty()) {
-    ASSIGN_OR_RETURN(report.learned, learn(arguments, options));
+    ASSIGN_OR_RETURN(report.learned, learn(arguments, options, read));
     options.threshold = eval::ThresholdSweep::threshold(report.learned->sweep.best());
   }
   if (!options.regions) report.threshold = options.threshold.value_or(default_threshold(options.method));
-  eval::Evaluation evaluation = score(files, report.degradation, options);
+  eval::Evaluation evaluation = score(files, report.degradation, options, read);
   report.per_scene = std::move(evaluation.scores);
   report.failed = std::move(evaluation.failures);
   if (!report.per_scene.empty()) {

@@ -5,7 +5,7 @@ import pathlib
 import subprocess
 import unittest
 
-from harness import BAD_INPUT, SEGCTL, EndToEnd
+from harness import BAD_INPUT, SEGCTL, EndToEnd, segctl
 import pcd
 
 PARTS = {"one_to_one": {"wov", "tp", "fp", "fn", "f"}, "paper_all": {"wov", "tp", "fp", "fn"},
@@ -83,6 +83,28 @@ class Eval(EndToEnd):
         self.assertIsNone(told["supervoxel_quality"]["boundary_recall"])  # no image
         self.assertGreater(told["one_to_one"]["wov"], 0)
 
+    def test_scores_under_a_given_view(self):
+        told = self.eval("--method", "lambda-convex")
+        self.assertIsNone(told["view"])
+        same = self.eval("--method", "lambda-convex", "--view", "camera")
+        self.assertEqual((same["view"], same["one_to_one"]), ("camera", told["one_to_one"]))
+        other = self.eval("--method", "lambda-convex", "--view", "world:0,0,0.5")
+        self.assertEqual(other["view"], "world:0,0,0.5")
+        self.assertNotEqual(other["supervoxels"], told["supervoxels"])
+
+    def test_takes_every_format_with_labels(self):
+        formats = self.path("formats")
+        formats.mkdir()
+        for end in ("pcd", "ply", "las", "csv", "xyz", "npy"):
+            done = segctl("synth", "-q", "--seed", "1", "--width", "160", "--height", "120",
+                          "-o", formats / f"1.{end}")  # LAS warns that it cannot hold points that are missing
+            self.assertEqual(done.returncode, 0)
+        (formats / "notes.txt").write_text("These are scenes.")
+        told = self.eval("--view", "world", data=formats)
+        self.assertEqual([row["file"][2:] for row in told["per_scene"]], ["csv", "las", "npy", "pcd", "ply", "xyz"])
+        for row in told["per_scene"]:
+            self.assertAlmostEqual(row["one_to_one"]["wov"], told["one_to_one"]["wov"], places=2)
+
     def test_the_text_is_a_table(self):
         text = self.run_well("eval", "--data", self.data, "--noise-mm", "3").stdout.decode()
         for part in ("1.pcd", "3.pcd", "mean", "one_to_one", "3 mm depth noise at 1 m", "achievable_accuracy"):
@@ -124,14 +146,15 @@ class Eval(EndToEnd):
         (unlabeled / "x.pcd").write_bytes(pcd.ascii_file([(0, 0, 1), (0, 1, 1)]))
         result = self.path("result.json")
         self.run_well("eval", "--data", self.data, "-q", "--json", result)
-        for part, *flags in (("--data or --compare",), ("no .pcd or .ply", "--data", self.empty),
+        for part, *flags in (("--data or --compare",), ("no cloud that can have labels", "--data", self.empty),
                              ("there is no folder", "--data", self.folder / "absent"),
+                             ("--view sky: must be", "--data", self.data, "--view", "sky"),
                              ("is no folder", "--data", self.data / "1.pcd"),
                              ("no field \"label\"", "--data", unlabeled),
                              ("not one of", "--data", self.data, "--method", "best"),
                              ("keep: 0 is not in (0, 1]", "--data", self.data, "--keep", "0"),
                              ("--learn excludes", "--data", self.data, "--learn", self.data, "--threshold", "0.1"),
-                             ("no .pcd or .ply", "--data", self.data, "--learn", self.empty),
+                             ("no cloud that can have labels", "--data", self.data, "--learn", self.empty),
                              ("one thread", "--data", self.data, "--threads", "2"),
                              ("absent", "--compare", result, self.path("absent")),
                              ("not a result of segctl eval", "--compare", result, self.data / "1.pcd"),

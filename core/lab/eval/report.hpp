@@ -28,13 +28,14 @@ struct Report {
   std::optional<double>
       threshold;  ///< Unset if the tree was cut at a number of regions, or if the method has no threshold.
   std::string folder;
+  std::string view = {};  ///< The view that was given for all scenes, as text; empty if the files tell it.
   Degradation degradation;
   std::optional<LearnedThreshold> learned;
   std::vector<SceneScores> per_scene;
   std::vector<SceneFailure> failed = {};
 };
 
-/// One JSON object in one line: scenes, method, threshold, data, degradation, learned, the means of all metrics,
+/// One JSON object in one line: scenes, method, threshold, data, view, degradation, learned, the means of all metrics,
 /// per_scene with the file and the metrics of each scene, and failed with the file and the error of each scene that
 /// could not be scored. A metric that is undefined is null.
 std::string to_json(const Report& report);

@@ -68,6 +68,7 @@ std::string to_json(const Report& report) {
   json["method"] = report.method;
   json["threshold"] = number_or_null(report.threshold);
   json["data"] = report.folder;
+  json["view"] = report.view.empty() ? Json() : Json(report.view);
   const Degradation& d = report.degradation;
   json["degradation"] = {
       {"scale", d.scale}, {"noise_mm", d.noise_mm}, {"keep", d.keep}, {"color", d.color}, {"seed", d.seed}};

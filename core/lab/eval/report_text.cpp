@@ -54,6 +54,7 @@ std::string to_text(const Report& report) {
   text += row("mean", width, v);
   text += fmt::format("\n{} on {} scenes of {}{}", report.method, report.per_scene.size(), report.folder,
                       describe(report.degradation));
+  if (!report.view.empty()) text += fmt::format(", view {}", report.view);
   if (report.threshold) text += fmt::format(", threshold {}", *report.threshold);
   if (report.learned) {
     text += fmt::format(" (learned on {} scenes of {}, one_to_one tp {:.4f})", report.learned->sweep.scenes(),

@@ -49,13 +49,46 @@ class Folder : public testing::Test {
 };
 
 TEST_F(Folder, ScenesAreTheCloudsInItByName) {
-  for (const char* name : {"b.pcd", "a.PLY", "c.txt", "pcd"}) std::ofstream(folder_ / name) << "x";
+  for (const char* name : {"b.pcd", "a.PLY", "c.txt", "pcd", "e.obj", "e.OBJ.gz", "f.las.zst", "g.npz"}) {
+    std::ofstream(folder_ / name) << "x";
+  }
+  std::ofstream(folder_ / "h.txt") << "x y z label\n0 0 1 1\n0 1 1 10\n";
   fs::create_directories(folder_ / "d.pcd");
-  EXPECT_THAT(*scene_files(folder_), testing::ElementsAre(folder_ / "a.PLY", folder_ / "b.pcd"));
+  EXPECT_THAT(*scene_files(folder_), testing::ElementsAre(folder_ / "a.PLY", folder_ / "b.pcd", folder_ / "f.las.zst",
+                                                          folder_ / "g.npz", folder_ / "h.txt"));
+}
+
+TEST_F(Folder, EveryFormatWithLabelsIsScoredAlike) {
+  for (const char* name : {"1.pcd", "1.ply", "1.las", "1.csv", "1.xyz", "1.npy"}) add_scene(name, 1);
+  const auto look = [](const CloudView& cloud) -> absl::StatusOr<Partition> {
+    const std::vector<std::uint32_t> one(cloud.size(), 1);
+    return Partition{.labels = one, .supervoxels = one};
+  };
+  const auto rows = run(look);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_EQ(rows->size(), 6U);
+  for (const SceneScores& row : *rows) {
+    EXPECT_EQ(row.values[metric("one_to_one.wov")], rows->front().values[metric("one_to_one.wov")]) << row.file;
+    EXPECT_EQ(row.values[metric("object_counts.objects")], rows->front().values[metric("object_counts.objects")]);
+  }
+}
+
+TEST_F(Folder, TheViewIsTheOneThatWasGiven) {
+  add_scene("1.pcd", 1);
+  ASSERT_EQ(load_scene(folder_ / "1.pcd", Degradation{})->cloud.view.kind, ViewKind::kCamera);
+  std::vector<View> views;
+  const auto look = [&](const CloudView& cloud) -> absl::StatusOr<Partition> {
+    views.push_back(cloud.view);
+    return absl::UnavailableError("seen");
+  };
+  evaluate(*scene_files(folder_), {}, look, [](std::size_t, std::size_t) {}, {.view = View::world(1, 2, 3)});
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views[0].kind, ViewKind::kWorld);
+  EXPECT_EQ(views[0].sensor->y(), 2);
 }
 
 TEST_F(Folder, FaultsOfTheFolderAreTold) {
-  EXPECT_THAT(std::string(scene_files(folder_).status().message()), HasSubstr("has no .pcd or .ply file"));
+  EXPECT_THAT(std::string(scene_files(folder_).status().message()), HasSubstr("has no cloud that can have labels"));
   EXPECT_EQ(scene_files(folder_ / "absent").status().code(), absl::StatusCode::kNotFound);
   std::ofstream(folder_ / "file") << "x";
   EXPECT_THAT(std::string(scene_files(folder_ / "file").status().message()), HasSubstr("is no folder"));
