@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
+#include <functional>
+#include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +15,7 @@
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
+#include "client/segctl/peer_method.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "client/segctl/view_flag.hpp"
@@ -32,6 +36,9 @@ objects. Scores are means over the scenes: one_to_one, as in the paper's Table 1
 panoptic quality, overlap and boundaries as other papers have them. core/lab/eval/README.md defines them. ms is the time
 of the segmentation alone, on one thread. --view holds for the scenes of --learn, too.
 
+--peer lccp scores PCL's VCCS and LCCP on the same scenes, with the settings of that README, and adds a paired t-test of
+each score. It needs a segctl that was built with PCL.
+
 --learn takes the threshold among 0, 0.01, 0.02 and so on up to 1 that has the highest mean one_to_one tp on the scenes
 of its folder. These scenes are not degraded, and all of them must be readable.
 
@@ -40,10 +47,11 @@ of the JSON. The exit code is then 2 if each of them is bad input, else 1.)";
 
 HelpText help() {
   return {.common = {"--data", "--compare", "--learn", "--view", "--method", "--threshold", "--noise-mm", "--no-color",
-                     "--json"},
+                     "--peer", "--json"},
           .examples = R"(segctl eval --data osd/test --json default.json
 segctl eval --data osd/test --method lambda-convex --learn osd/learn
 segctl eval --data osd/test --noise-mm 5 --no-color
+segctl eval --data osd/test --peer lccp
 segctl eval --compare default.json lambda.json
 segctl synth --fused --seed 1 -o rooms/1.pcd; segctl eval --data rooms --threshold 0.15)",
           .details = kDetails,
@@ -58,6 +66,7 @@ struct EvalArguments {
   OptionFlags options;
   DegradationFlags degradation;
   std::vector<std::string> compare;
+  std::string peer;
   JsonFlag json;
   bool quiet = false;
 
@@ -82,6 +91,10 @@ void EvalArguments::add_to(CLI::App& app) {
       ->type_name("A.json B.json")
       ->expected(2)
       ->excludes(data_flag)
+      ->group("Scenes");
+  app.add_option("--peer", peer, "score this method of others, too, and compare: lccp (PCL's VCCS and LCCP)")
+      ->type_name("NAME")
+      ->needs(data_flag)
       ->group("Scenes");
   options.add_to(app);
   degradation.add_to(app);
@@ -143,16 +156,42 @@ absl::StatusOr<eval::LearnedThreshold> learn(const EvalArguments& arguments, con
   return eval::LearnedThreshold{arguments.learn, std::move(sweep), arguments.curve};
 }
 
-eval::Evaluation score(const std::vector<std::filesystem::path>& files, const eval::Degradation& degradation,
-                       const Options& options, const codec::ReadOptions& read) {
-  const ProgressBar bar("scoring");
-  return eval::evaluate(
-      files, degradation, eval::with_options(options), [&](auto done, auto all) { bar.show(done, all); }, read);
+/// The scenes that are scored, and how they are read.
+struct Scenes {
+  std::vector<std::filesystem::path> files;
+  codec::ReadOptions read;
+};
+
+/// Adds the scores and the failures of a method to its report.
+void score(const Scenes& scenes, const eval::SegmentScene& segment, const char* what, eval::Report& report) {
+  const ProgressBar bar(what);
+  eval::Evaluation evaluation = eval::evaluate(
+      scenes.files, report.degradation, segment, [&](auto done, auto all) { bar.show(done, all); }, scenes.read);
+  report.per_scene = std::move(evaluation.scores);
+  report.failed = std::move(evaluation.failures);
 }
 
-/// Lists the scenes that failed. INVALID_ARGUMENT if each of them is bad input.
-absl::Status report_failures(const eval::Report& report) {
-  const auto& failed = report.failed;
+eval::Peer score_peer(const Scenes& scenes, const PeerMethod& method, const eval::Report& report) {
+  eval::Report peer{.method = method.name,
+                    .threshold = {},
+                    .folder = report.folder,
+                    .view = report.view,
+                    .degradation = report.degradation,
+                    .learned = {},
+                    .per_scene = {}};
+  score(scenes, method.segment, "scoring the peer", peer);
+  return eval::compare_with(report, std::move(peer));
+}
+
+/// Lists the scenes that failed, those of a peer behind ours. INVALID_ARGUMENT if each of them is bad input.
+absl::Status report_failures(const eval::Report& report, const eval::Peer* peer) {
+  const auto is_ours = [&](const eval::SceneFailure& scene) {
+    return std::ranges::find(report.failed, scene.file, &eval::SceneFailure::file) != report.failed.end();
+  };
+  std::vector<eval::SceneFailure> failed = report.failed;
+  if (peer != nullptr) {  // a file that both cannot read is told once
+    std::ranges::copy_if(peer->report.failed, std::back_inserter(failed), std::not_fn(is_ours));
+  }
   if (failed.empty()) return absl::OkStatus();
   if (report.per_scene.empty() && failed.size() == 1) return failed.front().status;
   for (const eval::SceneFailure& scene : failed) print_error(message_of(scene.status));
@@ -169,22 +208,29 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
   report.folder = arguments.data;
   report.degradation = arguments.degradation.degradation();
   RETURN_IF_ERROR(eval::check(report.degradation));
-  ASSIGN_OR_RETURN(const codec::ReadOptions read, read_options(arguments));
-  if (read.view) report.view = view_text(*read.view);
-  ASSIGN_OR_RETURN(const auto files, eval::scene_files(arguments.data));
+  Scenes scenes;
+  ASSIGN_OR_RETURN(scenes.read, read_options(arguments));
+  if (scenes.read.view) report.view = view_text(*scenes.read.view);
+  std::optional<PeerMethod> peer_to_score;
+  if (!arguments.peer.empty()) {
+    ASSIGN_OR_RETURN(peer_to_score, peer_method(arguments.peer));
+  }
+  ASSIGN_OR_RETURN(scenes.files, eval::scene_files(arguments.data));
 
   if (!arguments.learn.empty()) {
-    ASSIGN_OR_RETURN(report.learned, learn(arguments, options, read));
+    ASSIGN_OR_RETURN(report.learned, learn(arguments, options, scenes.read));
     options.threshold = eval::ThresholdSweep::threshold(report.learned->sweep.best());
   }
   if (!options.regions) report.threshold = options.threshold.value_or(default_threshold(options.method));
-  eval::Evaluation evaluation = score(files, report.degradation, options, read);
-  report.per_scene = std::move(evaluation.scores);
-  report.failed = std::move(evaluation.failures);
+  const eval::SegmentScene segment = eval::with_options(options);
+  score(scenes, segment, "scoring", report);
+  std::optional<eval::Peer> scored_peer;
+  if (peer_to_score && !report.per_scene.empty()) scored_peer = score_peer(scenes, *peer_to_score, report);
+  const eval::Peer* const peer = scored_peer ? &*scored_peer : nullptr;
   if (!report.per_scene.empty()) {
-    RETURN_IF_ERROR(write(arguments, eval::to_json(report), eval::to_text(report), output));
+    RETURN_IF_ERROR(write(arguments, eval::to_json(report, peer), eval::to_text(report, peer), output));
   }
-  return report_failures(report);
+  return report_failures(report, peer);
 }
 
 absl::Status run(const EvalArguments& arguments) {

@@ -123,6 +123,23 @@ class Eval(EndToEnd):
         self.assertEqual(wov["scenes"], 3)
         self.assertIn("one_to_one.wov", self.run_well("eval", "--compare", a, b).stdout.decode())
 
+    def test_sets_a_peer_beside(self):
+        result = self.path("result.json")
+        done = segctl("eval", "--data", self.data, "--peer", "lccp", "--json", result)
+        if b"built without PCL" in done.stderr:
+            self.assertEqual((done.returncode, result.exists()), (BAD_INPUT, False))
+            return
+        self.assertEqual((done.returncode, done.stderr), (0, b""))
+        told = json.loads(result.read_text())
+        peer = told["peer"]
+        self.assertEqual((peer["method"], peer["scenes"]), ("pcl-lccp", 3))
+        self.assertEqual([row["file"] for row in peer["per_scene"]], ["1.pcd", "2.pcd", "3.pcd"])
+        wov = told["differences"]["one_to_one.wov"]
+        self.assertAlmostEqual(wov["difference"], told["one_to_one"]["wov"] - peer["one_to_one"]["wov"], places=12)
+        for part in (b"border on 3 scenes", b"pcl-lccp on 3 scenes", b"A border", b"B pcl-lccp", b"p, A better"):
+            self.assertIn(part, done.stdout)
+        self.assertNotIn("peer", self.eval())
+
     def test_table1_scores_every_variant(self):
         learn = self.path("data") / "osd" / "learn"
         learn.parent.mkdir(parents=True)
@@ -153,6 +170,7 @@ class Eval(EndToEnd):
                              ("no field \"label\"", "--data", unlabeled),
                              ("not one of", "--data", self.data, "--method", "best"),
                              ("keep: 0 is not in (0, 1]", "--data", self.data, "--keep", "0"),
+                             ("--peer kmeans: must be lccp", "--data", self.data, "--peer", "kmeans"),
                              ("--learn excludes", "--data", self.data, "--learn", self.data, "--threshold", "0.1"),
                              ("no cloud that can have labels", "--data", self.data, "--learn", self.empty),
                              ("one thread", "--data", self.data, "--threads", "2"),

@@ -31,18 +31,7 @@ std::string mean_line(std::string_view name, const MetricValues& v, std::initial
   return text + "\n";
 }
 
-std::string describe(const Degradation& d) {
-  std::string text;
-  if (d.scale != 1) text += fmt::format(", scaled by {}", d.scale);
-  if (d.noise_mm != 0) text += fmt::format(", {} mm depth noise at 1 m", d.noise_mm);
-  if (d.keep != 1) text += fmt::format(", {} of the points", d.keep);
-  if (!d.color) text += ", no color";
-  return text;
-}
-
-}  // namespace
-
-std::string to_text(const Report& report) {
+std::string own_text(const Report& report) {
   int width = 5;
   for (const SceneScores& scene : report.per_scene) width = std::max(width, static_cast<int>(scene.file.size()));
   std::string text = fmt::format("{:{}} {:>11} {:>8} {:>15} {:>8} {:>23} {:>9}\n", "", width, "", "", "one_to_one",
@@ -52,15 +41,7 @@ std::string to_text(const Report& report) {
   for (const SceneScores& scene : report.per_scene) text += row(scene.file, width, scene.values);
   const MetricValues v = mean(report.per_scene);
   text += row("mean", width, v);
-  text += fmt::format("\n{} on {} scenes of {}{}", report.method, report.per_scene.size(), report.folder,
-                      describe(report.degradation));
-  if (!report.view.empty()) text += fmt::format(", view {}", report.view);
-  if (report.threshold) text += fmt::format(", threshold {}", *report.threshold);
-  if (report.learned) {
-    text += fmt::format(" (learned on {} scenes of {}, one_to_one tp {:.4f})", report.learned->sweep.scenes(),
-                        report.learned->folder, report.learned->sweep.tp(report.learned->sweep.best()));
-  }
-  text += "\n";
+  text += fmt::format("\n{}\n", headline(report));
   text += mean_line("one_to_one", v,
                     {metric("one_to_one.wov"), metric("one_to_one.tp"), metric("one_to_one.fp"),
                      metric("one_to_one.fn"), metric("one_to_one.f")});
@@ -89,6 +70,17 @@ std::string to_text(const Report& report) {
                 {metric("supervoxel_quality.achievable_accuracy"), metric("supervoxel_quality.undersegmentation_error"),
                  metric("supervoxel_quality.boundary_recall")});
   return text;
+}
+
+}  // namespace
+
+std::string to_text(const Report& report, const Peer* peer) {
+  std::string text = own_text(report);
+  if (peer == nullptr) return text;
+  text += fmt::format("\n{}\n", own_text(peer->report));
+  if (peer->differences.empty())
+    return text + "Fewer than two scenes have scores of both, so there is no comparison.\n";
+  return text + to_text(peer->differences, report.method, peer->report.method);
 }
 
 std::string to_text(const std::vector<PairedDifference>& differences, const std::string& a, const std::string& b) {
