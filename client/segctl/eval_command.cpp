@@ -15,6 +15,7 @@
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
+#include "client/segctl/page_flags.hpp"
 #include "client/segctl/peer_method.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/staged_output.hpp"
@@ -23,6 +24,7 @@
 #include "core/base/status_text.hpp"
 #include "core/lab/eval/evaluation.hpp"
 #include "core/lab/eval/report.hpp"
+#include "core/lab/eval/thumbnails.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/read_options.hpp"
 
@@ -47,11 +49,11 @@ of the JSON. The exit code is then 2 if each of them is bad input, else 1.)";
 
 HelpText help() {
   return {.common = {"--data", "--compare", "--learn", "--view", "--method", "--threshold", "--noise-mm", "--no-color",
-                     "--peer", "--json"},
+                     "--peer", "--json", "--markdown", "--html"},
           .examples = R"(segctl eval --data osd/test --json default.json
 segctl eval --data osd/test --method lambda-convex --learn osd/learn
 segctl eval --data osd/test --noise-mm 5 --no-color
-segctl eval --data osd/test --peer lccp
+segctl eval --data osd/test --peer lccp --html scores.html
 segctl eval --compare default.json lambda.json
 segctl synth --fused --seed 1 -o rooms/1.pcd; segctl eval --data rooms --threshold 0.15)",
           .details = kDetails,
@@ -68,6 +70,7 @@ struct EvalArguments {
   std::vector<std::string> compare;
   std::string peer;
   JsonFlag json;
+  PageFlags pages;
   bool quiet = false;
 
   void add_to(CLI::App& app);
@@ -99,6 +102,7 @@ void EvalArguments::add_to(CLI::App& app) {
   options.add_to(app);
   degradation.add_to(app);
   json.add_to(app, "write the result as one JSON object");
+  pages.add_to(app, data_flag);
   app.add_flag("-q,--quiet", quiet, "print no table")->group("Output");
 }
 
@@ -183,6 +187,18 @@ eval::Peer score_peer(const Scenes& scenes, const PeerMethod& method, const eval
   return eval::compare_with(report, std::move(peer));
 }
 
+/// Pictures of the worst scenes. Each of them was read and segmented before.
+absl::StatusOr<std::vector<eval::Thumbnails>> draw_worst(const Scenes& scenes, const eval::SegmentScene& segment,
+                                                         const eval::Report& report, std::size_t count) {
+  std::vector<eval::Thumbnails> pictures;
+  for (const std::string& file : eval::worst_scenes(report.per_scene, count)) {
+    ASSIGN_OR_RETURN(auto pair, eval::make_thumbnails(std::filesystem::path(report.folder) / file, report.degradation,
+                                                      segment, scenes.read));
+    pictures.push_back(std::move(pair));
+  }
+  return pictures;
+}
+
 /// Lists the scenes that failed, those of a peer behind ours. INVALID_ARGUMENT if each of them is bad input.
 absl::Status report_failures(const eval::Report& report, const eval::Peer* peer) {
   const auto is_ours = [&](const eval::SceneFailure& scene) {
@@ -228,6 +244,8 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
   if (peer_to_score && !report.per_scene.empty()) scored_peer = score_peer(scenes, *peer_to_score, report);
   const eval::Peer* const peer = scored_peer ? &*scored_peer : nullptr;
   if (!report.per_scene.empty()) {
+    ASSIGN_OR_RETURN(const auto worst, draw_worst(scenes, segment, report, arguments.pages.worst()));
+    arguments.pages.add(output, report, peer, worst);
     RETURN_IF_ERROR(write(arguments, eval::to_json(report, peer), eval::to_text(report, peer), output));
   }
   return report_failures(report, peer);
@@ -236,6 +254,7 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
 absl::Status run(const EvalArguments& arguments) {
   StagedOutput output;
   RETURN_IF_ERROR(arguments.json.announce(output));
+  RETURN_IF_ERROR(arguments.pages.announce(output));
   if (!arguments.compare.empty()) return run_comparison(arguments, output);
   if (!arguments.data.empty()) return run_evaluation(arguments, output);
   return absl::InvalidArgumentError("--data or --compare is needed: what shall be scored?");

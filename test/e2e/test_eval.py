@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """segctl eval scores a folder with ground truth, learns thresholds and compares results; test/table1 uses it."""
+import base64
 import json
 import pathlib
+import re
 import subprocess
 import unittest
+import urllib.parse
 
 from harness import BAD_INPUT, SEGCTL, EndToEnd, segctl
 import pcd
@@ -140,6 +143,32 @@ class Eval(EndToEnd):
             self.assertIn(part, done.stdout)
         self.assertNotIn("peer", self.eval())
 
+    def test_writes_pages_with_pictures(self):
+        odd = self.path("odd")
+        odd.mkdir()
+        for seed in (1, 2):
+            (odd / f"<b>|{seed}.pcd").write_bytes((self.data / f"{seed}.pcd").read_bytes())
+        (odd / "<i>.pcd").write_bytes(b"no cloud")
+        page, text = self.path("scores.html"), self.path("the scores.md")
+        done = segctl("eval", "--data", odd, "--html", page, "--markdown", text, "--worst", "1", "-q")
+        self.assertEqual((done.returncode, done.stdout), (BAD_INPUT, b""))  # for the file that is no cloud
+        html = page.read_text()
+        self.assertEqual(html.count("src=\"data:image/png;base64,"), 2)
+        self.assertIn("&lt;b&gt;|1.pcd", html)
+        self.assertIn("&lt;i&gt;.pcd", html)
+        for raw in ("<b>", "<i>", "<script", "http"):
+            self.assertNotIn(raw, html)
+        images = [base64.b64decode(image) for image in re.findall("base64,([^\"]*)\"", html)]
+        pictures = text.with_name(text.stem + "_pictures")
+        self.assertEqual([(pictures / name).read_bytes() for name in ("truth-1.png", "segments-1.png")], images)
+        self.assertTrue(images[0].startswith(b"\x89PNG"))
+        self.assertIn(f"![truth]({urllib.parse.quote(pictures.name)}/truth-1.png)", text.read_text())
+        self.assertIn("\\<b\\>\\|2.pcd", text.read_text())
+        self.assertEqual(sorted(path.name for path in pictures.iterdir()), ["segments-1.png", "truth-1.png"])
+        printed = self.run_well("eval", "--data", self.data, "--markdown", "-").stdout.decode()
+        self.assertTrue(printed.startswith("# Scores of border\n"))
+        self.assertNotIn(".png", printed)
+
     def test_table1_scores_every_variant(self):
         learn = self.path("data") / "osd" / "learn"
         learn.parent.mkdir(parents=True)
@@ -171,6 +200,7 @@ class Eval(EndToEnd):
                              ("not one of", "--data", self.data, "--method", "best"),
                              ("keep: 0 is not in (0, 1]", "--data", self.data, "--keep", "0"),
                              ("--peer kmeans: must be lccp", "--data", self.data, "--peer", "kmeans"),
+                             ("there is no folder", "--data", self.data, "--html", self.folder / "absent" / "x.html"),
                              ("--learn excludes", "--data", self.data, "--learn", self.data, "--threshold", "0.1"),
                              ("no cloud that can have labels", "--data", self.data, "--learn", self.empty),
                              ("one thread", "--data", self.data, "--threads", "2"),
