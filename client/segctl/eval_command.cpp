@@ -39,7 +39,7 @@ panoptic quality, overlap and boundaries as other papers have them. core/lab/eva
 of the segmentation alone, on one thread. --view holds for the scenes of --learn, too.
 
 --peer lccp scores PCL's VCCS and LCCP on the same scenes, with the settings of that README, and adds a paired t-test of
-each score. It needs a segctl that was built with PCL.
+each score. Its voxels suit a table at 1 m; name others for sparse scenes. It needs a segctl that was built with PCL.
 
 --learn takes the threshold among 0, 0.01, 0.02 and so on up to 1 that has the highest mean one_to_one tp on the scenes
 of its folder. These scenes are not degraded, and all of them must be readable.
@@ -95,7 +95,10 @@ void EvalArguments::add_to(CLI::App& app) {
       ->expected(2)
       ->excludes(data_flag)
       ->group("Scenes");
-  app.add_option("--peer", peer, "score this method of others, too, and compare: lccp (PCL's VCCS and LCCP)")
+  app.add_option(
+         "--peer", peer,
+         "score this method of others, too, and compare: lccp (PCL's VCCS and LCCP), or lccp:V,S with the sizes of "
+         "its voxels and seeds in meters; default 0.0075,0.03")
       ->type_name("NAME")
       ->needs(data_flag)
       ->group("Scenes");

@@ -3,8 +3,7 @@
 // in all, so that segctl itself does not link them.
 #include "client/segctl/lccp_module.hpp"
 
-#include "core/pcl_adapter/peer/lccp_partition.hpp"
-
-void segctl_lccp_partition(const segserve::CloudView& cloud, absl::StatusOr<segserve::eval::Partition>& result) {
-  result = segserve::pcl_peer::partition(cloud, {});
+void segctl_lccp_partition(const segserve::CloudView& cloud, const segserve::pcl_peer::PeerSettings& settings,
+                           absl::StatusOr<segserve::eval::Partition>& result) {
+  result = segserve::pcl_peer::partition(cloud, settings);
 }

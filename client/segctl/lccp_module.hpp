@@ -3,8 +3,10 @@
 
 #include "absl/status/statusor.h"
 #include "core/lab/eval/evaluation.hpp"
+#include "core/pcl_adapter/peer/lccp_partition.hpp"
 #include "segserve/cloud.hpp"
 
-/// Segments a cloud as pcl_peer::partition with its default settings. It has C's name, so that dlsym finds it.
+/// Calls pcl_peer::partition. It has C's name, so that dlsym finds it.
 extern "C" void segctl_lccp_partition(const segserve::CloudView& cloud,
+                                      const segserve::pcl_peer::PeerSettings& settings,
                                       absl::StatusOr<segserve::eval::Partition>& result);

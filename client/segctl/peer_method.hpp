@@ -14,8 +14,9 @@ struct PeerMethod {
   eval::SegmentScene segment;
 };
 
-/// The method that --peer names; "lccp" is PCL's VCCS and LCCP with the settings of core/lab/eval/README.md.
-/// INVALID_ARGUMENT for another name, and if segctl was built without PCL.
-absl::StatusOr<PeerMethod> peer_method(const std::string& name);
+/// The method that --peer names. "lccp" is PCL's VCCS and LCCP with the settings of core/lab/eval/README.md, and
+/// "lccp:V,S" the same with voxels of V and seeds of S meters, 0 < V <= S. INVALID_ARGUMENT for any other text, and if
+/// segctl was built without PCL. UNAVAILABLE if PCL cannot be loaded.
+absl::StatusOr<PeerMethod> peer_method(const std::string& text);
 
 }  // namespace segserve::segctl

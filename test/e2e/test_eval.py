@@ -141,6 +141,9 @@ class Eval(EndToEnd):
         self.assertAlmostEqual(wov["difference"], told["one_to_one"]["wov"] - peer["one_to_one"]["wov"], places=12)
         for part in (b"border on 3 scenes", b"pcl-lccp on 3 scenes", b"A border", b"B pcl-lccp", b"p, A better"):
             self.assertIn(part, done.stdout)
+        coarse = self.eval("--peer", "lccp:0.02,0.08")["peer"]
+        self.assertEqual(coarse["method"], "pcl-lccp:0.02,0.08")
+        self.assertLess(coarse["supervoxels"], peer["supervoxels"])
         self.assertNotIn("peer", self.eval())
 
     def test_writes_pages_with_pictures(self):
@@ -200,6 +203,8 @@ class Eval(EndToEnd):
                              ("not one of", "--data", self.data, "--method", "best"),
                              ("keep: 0 is not in (0, 1]", "--data", self.data, "--keep", "0"),
                              ("--peer kmeans: must be lccp", "--data", self.data, "--peer", "kmeans"),
+                             ("--peer lccp:0.03,0.01: must be", "--data", self.data, "--peer", "lccp:0.03,0.01"),
+                             ("--peer lccp:nan,1: must be", "--data", self.data, "--peer", "lccp:nan,1"),
                              ("there is no folder", "--data", self.data, "--html", self.folder / "absent" / "x.html"),
                              ("--learn excludes", "--data", self.data, "--learn", self.data, "--threshold", "0.1"),
                              ("no cloud that can have labels", "--data", self.data, "--learn", self.empty),
