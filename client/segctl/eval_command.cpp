@@ -158,9 +158,9 @@ absl::StatusOr<eval::LearnedThreshold> learn(const EvalArguments& arguments, con
                                              const codec::ReadOptions& read) {
   ASSIGN_OR_RETURN(const auto files, eval::scene_files(arguments.learn));
   const ProgressBar bar("learning");
-  ASSIGN_OR_RETURN(auto sweep, eval::learn_threshold(
-                                   files, options, [&](auto done, auto all) { bar.show(done, all); }, read));
-  return eval::LearnedThreshold{arguments.learn, std::move(sweep), arguments.curve};
+  ASSIGN_OR_RETURN(const auto sweep, eval::learn_threshold(
+                                         files, options, [&](auto done, auto all) { bar.show(done, all); }, read));
+  return eval::LearnedThreshold{arguments.learn, sweep, arguments.curve};
 }
 
 /// The scenes that are scored, and how they are read.
