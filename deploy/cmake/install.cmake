@@ -14,6 +14,9 @@ endif()
 
 if(SEGSERVE_BUILD_SERVICE)
   install(TARGETS segserve segctl)
+  if(TARGET segctl_lccp)
+    install(TARGETS segctl_lccp LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/segserve)
+  endif()
   install(TARGETS segserve_proto segserve_wire segserve_health segserve_recording segserve_client EXPORT segserveClientTargets)
   install(DIRECTORY client/include/segserve proto/include/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
   install(DIRECTORY ${PROJECT_BINARY_DIR}/proto/generated/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}

@@ -11,9 +11,9 @@
 
 #include <string>
 
+#include "core/pcl_adapter/peer/pcl_peer.hpp"
 #include "segserve/segment.hpp"
 #include "test/bench/frames.hpp"
-#include "test/pcl/pcl_peer.hpp"
 
 namespace segserve::bench {
 namespace {

@@ -2,18 +2,22 @@
 #include "core/lab/eval/evaluation.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <memory>
 #include <ranges>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
-#include "core/lab/eval/boundary_recall.hpp"
+#include "core/lab/eval/boundary_scores.hpp"
+#include "core/lab/eval/instance_scores.hpp"
+#include "core/lab/eval/overlap_scores.hpp"
 #include "core/lab/eval/scores.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/file_format.hpp"
 #include "segserve/segment.hpp"
 
 namespace segserve::eval {
@@ -22,10 +26,11 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_scene(const fs::directory_entry& entry) {
-  std::string extension = entry.path().extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string path = entry.path().string();
+  const bool has_no_labels = std::ranges::any_of(std::array{".obj", ".obj.gz", ".obj.zst"},
+                                                 [&](std::string_view end) { return codec::has_extension(path, end); });
   std::error_code ignored;
-  return (extension == ".pcd" || extension == ".ply") && entry.is_regular_file(ignored);
+  return !has_no_labels && entry.is_regular_file(ignored) && codec::is_cloud_file(path);
 }
 
 absl::Status in_file(const fs::path& path, const absl::Status& status) { return with_prefix(path.string(), status); }
@@ -41,9 +46,39 @@ bool has_objects(const Contingency& table) {
   return std::ranges::any_of(table.regions, [](const Part& region) { return region.label >= kFirstObjectLabel; });
 }
 
+void add_instance_metrics(const Contingency& segments, MetricValues& v) {
+  if (const auto instances = instance_scores(segments)) {
+    v[metric("instance.ap")] = instances->ap, v[metric("instance.ar")] = instances->ar;
+    v[metric("instance.ap50")] = instances->ap50, v[metric("instance.ar50")] = instances->ar50;
+    v[metric("instance.ap75")] = instances->ap75, v[metric("instance.ar75")] = instances->ar75;
+  }
+  if (const auto all = panoptic_scores(segments, Regions::kAll)) {
+    v[metric("panoptic_all.pq")] = all->pq, v[metric("panoptic_all.rq")] = all->rq;
+    v[metric("panoptic_all.sq")] = all->sq;
+  }
+  if (const auto objects = panoptic_scores(segments, Regions::kObjects)) {
+    v[metric("panoptic_objects.pq")] = objects->pq, v[metric("panoptic_objects.rq")] = objects->rq;
+    v[metric("panoptic_objects.sq")] = objects->sq;
+  }
+}
+
+void add_overlap_metrics(const Contingency& segments, MetricValues& v) {
+  const auto overlap = overlap_scores(segments);
+  if (!overlap) return;
+  v[metric("overlap_objects.precision")] = overlap->precision;
+  v[metric("overlap_objects.recall")] = overlap->recall;
+  v[metric("overlap_objects.f")] = overlap->f;
+  v[metric("overlap_objects.objects_f75")] = overlap->objects_f75;
+  const ObjectCounts counts = count_objects(segments);
+  v[metric("object_counts.objects")] = counts.objects;
+  v[metric("object_counts.over_segmented")] = counts.over_segmented;
+  v[metric("object_counts.under_segmented")] = counts.under_segmented;
+  v[metric("object_counts.missed")] = counts.missed;
+}
+
 absl::StatusOr<MetricValues> score_file(const fs::path& file, const Degradation& degradation,
-                                        const SegmentScene& segment) {
-  ASSIGN_OR_RETURN(const auto scene, load_scene(file, degradation));
+                                        const SegmentScene& segment, const codec::ReadOptions& read) {
+  ASSIGN_OR_RETURN(const auto scene, load_scene(file, degradation, read));
   ASSIGN_OR_RETURN(const Partition partition, in_file(file, segment(scene.cloud)));
   return in_file(file, score(scene, partition));
 }
@@ -65,13 +100,19 @@ absl::StatusOr<std::vector<fs::path>> scene_files(const fs::path& folder) {
     if (is_scene(*at)) files.push_back(at->path());
   }
   if (error) return absl::UnavailableError(fmt::format("cannot read {}: {}", folder.string(), error.message()));
-  if (files.empty()) return absl::InvalidArgumentError(fmt::format("{} has no .pcd or .ply file", folder.string()));
+  if (files.empty()) {
+    return absl::InvalidArgumentError(
+        fmt::format("{} has no cloud that can have labels: no file whose name ends in .pcd, .ply, .las, .csv, .xyz, "
+                    ".pts, .txt, .npy or .npz",
+                    folder.string()));
+  }
   std::ranges::sort(files);
   return files;
 }
 
-absl::StatusOr<codec::LabeledCloud> load_scene(const fs::path& path, const Degradation& degradation) {
-  ASSIGN_OR_RETURN(codec::LabeledCloud scene, codec::load_cloud(path.string()));
+absl::StatusOr<codec::LabeledCloud> load_scene(const fs::path& path, const Degradation& degradation,
+                                               const codec::ReadOptions& read) {
+  ASSIGN_OR_RETURN(codec::LabeledCloud scene, codec::load_cloud(path.string(), read));
   if (scene.label.empty()) {
     return in_file(path, absl::InvalidArgumentError("no ground truth: the file has no field \"label\""));
   }
@@ -107,6 +148,12 @@ absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Parti
     v[metric("paper_objects.wov")] = objects.wov, v[metric("paper_objects.tp")] = objects.tp;
     v[metric("paper_objects.fp")] = objects.fp, v[metric("paper_objects.fn")] = objects.fn;
   }
+  add_instance_metrics(segments, v);
+  add_overlap_metrics(segments, v);
+  if (const auto edges = boundary_scores(scene.label, partition.labels, scene.cloud.width, scene.cloud.height)) {
+    v[metric("boundary.precision")] = edges->precision, v[metric("boundary.recall")] = edges->recall;
+    v[metric("boundary.f")] = edges->f;
+  }
   v[metric("variation_of_information")] = variation_of_information(segments);
   const SupervoxelScores quality = supervoxel_scores(supervoxels);
   v[metric("supervoxel_quality.achievable_accuracy")] = quality.achievable_accuracy;
@@ -117,11 +164,11 @@ absl::StatusOr<MetricValues> score(const codec::LabeledCloud& scene, const Parti
 }
 
 Evaluation evaluate(const std::vector<fs::path>& files, const Degradation& degradation, const SegmentScene& segment,
-                    const Progress& progress) {
+                    const Progress& progress, const codec::ReadOptions& read) {
   Evaluation evaluation;
   for (const fs::path& file : files) {
     const std::string name = file.filename().string();
-    auto values = score_file(file, degradation, segment);
+    auto values = score_file(file, degradation, segment, read);
     if (values.ok()) {
       evaluation.scores.push_back({name, *std::move(values)});
     } else {
@@ -140,11 +187,11 @@ SegmentScene with_options(const Options& options) {
 }
 
 absl::StatusOr<ThresholdSweep> learn_threshold(const std::vector<fs::path>& files, const Options& options,
-                                               const Progress& progress) {
+                                               const Progress& progress, const codec::ReadOptions& read) {
   Segmenter segmenter;
   ThresholdSweep sweep;
   for (const fs::path& file : files) {
-    ASSIGN_OR_RETURN(const auto scene, load_scene(file, {}));
+    ASSIGN_OR_RETURN(const auto scene, load_scene(file, Degradation{}, read));
     ASSIGN_OR_RETURN(const Segmentation segmentation, in_file(file, segmenter.segment(scene.cloud, options)));
     ASSIGN_OR_RETURN(const Contingency supervoxels, in_file(file, tabulate(scene.label, segmentation.supervoxels)));
     const absl::Status status = sweep.add(supervoxels, segmentation.tree);

@@ -14,6 +14,7 @@
 #include "core/lab/eval/threshold_sweep.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
+#include "segserve/codec/read_options.hpp"
 #include "segserve/options.hpp"
 
 namespace segserve::eval {
@@ -31,14 +32,17 @@ using SegmentScene = std::function<absl::StatusOr<Partition>(const CloudView&)>;
 /// Called after each scene.
 using Progress = std::function<void(std::size_t done, std::size_t all)>;
 
-/// The .pcd and .ply files of a folder, sorted by name, without those in its subfolders. INVALID_ARGUMENT if there is
-/// no such file or the path is not a folder, NOT_FOUND if it does not exist.
+/// The files of a folder that may be clouds with labels, sorted by name, without those in its subfolders: those of
+/// codec::is_cloud_file without OBJ, which has no labels. INVALID_ARGUMENT if there is no such file or the path is not
+/// a folder, NOT_FOUND if it does not exist.
 absl::StatusOr<std::vector<std::filesystem::path>> scene_files(const std::filesystem::path& folder);
 
 /// Reads a scene with ground truth (field "label", 0 = not scored) and degrades it. Points that are not finite have no
-/// ground truth. Errors are those of `codec::load_cloud` and `degrade`, and INVALID_ARGUMENT without ground truth;
+/// ground truth. `read` says what of the files is known better, such as their view. Errors are those of
+/// `codec::load_cloud` and `degrade`, and INVALID_ARGUMENT without ground truth;
 /// messages begin with the path.
-absl::StatusOr<codec::LabeledCloud> load_scene(const std::filesystem::path& path, const Degradation& degradation);
+absl::StatusOr<codec::LabeledCloud> load_scene(const std::filesystem::path& path, const Degradation& degradation,
+                                               const codec::ReadOptions& read = {});
 
 /// The scores of a partition; its arrays have one entry per point of the scene. INVALID_ARGUMENT if no point has ground
 /// truth.
@@ -55,9 +59,9 @@ struct Evaluation {
   std::vector<SceneFailure> failures;  ///< Likewise.
 };
 
-/// Scores every file, in order. A file that fails stops no other.
+/// Scores every file, in order. A file that fails stops no other. `read` is that of load_scene.
 Evaluation evaluate(const std::vector<std::filesystem::path>& files, const Degradation& degradation,
-                    const SegmentScene& segment, const Progress& progress);
+                    const SegmentScene& segment, const Progress& progress, const codec::ReadOptions& read = {});
 
 /// Segments with segserve's own methods. One Segmenter serves all scenes.
 SegmentScene with_options(const Options& options);
@@ -65,6 +69,6 @@ SegmentScene with_options(const Options& options);
 /// Sweeps the threshold over the merge trees of the scenes, which are not degraded. Stops at the first error, whose
 /// message begins with the path: a threshold that was learned on fewer scenes would be another one.
 absl::StatusOr<ThresholdSweep> learn_threshold(const std::vector<std::filesystem::path>& files, const Options& options,
-                                               const Progress& progress);
+                                               const Progress& progress, const codec::ReadOptions& read = {});
 
 }  // namespace segserve::eval

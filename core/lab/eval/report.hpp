@@ -28,19 +28,35 @@ struct Report {
   std::optional<double>
       threshold;  ///< Unset if the tree was cut at a number of regions, or if the method has no threshold.
   std::string folder;
+  std::string view = {};  ///< The view that was given for all scenes, as text; empty if the files tell it.
   Degradation degradation;
   std::optional<LearnedThreshold> learned;
   std::vector<SceneScores> per_scene;
   std::vector<SceneFailure> failed = {};
 };
 
-/// One JSON object in one line: scenes, method, threshold, data, degradation, learned, the means of all metrics,
+/// The scores of a second method on the same scenes.
+struct Peer {
+  Report report;
+  /// What `compare` tells of both, the peer as B, on the scenes that both could segment. Empty if these are fewer than
+  /// two.
+  std::vector<PairedDifference> differences;
+};
+
+/// Compares a report with that of a peer.
+Peer compare_with(const Report& report, Report peer);
+
+/// One line: the method, the scenes, and how they were scored.
+std::string headline(const Report& report);
+
+/// One JSON object in one line: scenes, method, threshold, data, view, degradation, learned, the means of all metrics,
 /// per_scene with the file and the metrics of each scene, and failed with the file and the error of each scene that
-/// could not be scored. A metric that is undefined is null.
-std::string to_json(const Report& report);
+/// could not be scored. A metric that is undefined is null. If there is a peer, the member peer is such an object, too,
+/// and differences has what the JSON of a comparison has.
+std::string to_json(const Report& report, const Peer* peer = nullptr);
 
 /// Tables for people.
-std::string to_text(const Report& report);
+std::string to_text(const Report& report, const Peer* peer = nullptr);
 
 /// Reads from such an object what `compare` needs: method and per_scene. INVALID_ARGUMENT if the text is not such an
 /// object.

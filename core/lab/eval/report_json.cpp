@@ -60,14 +60,13 @@ absl::StatusOr<SceneScores> scene_from(const Json& json, std::size_t row) {
   return scene;
 }
 
-}  // namespace
-
-std::string to_json(const Report& report) {
+Json json_of(const Report& report) {
   Json json;
   json["scenes"] = report.per_scene.size();
   json["method"] = report.method;
   json["threshold"] = number_or_null(report.threshold);
   json["data"] = report.folder;
+  json["view"] = report.view.empty() ? Json() : Json(report.view);
   const Degradation& d = report.degradation;
   json["degradation"] = {
       {"scale", d.scale}, {"noise_mm", d.noise_mm}, {"keep", d.keep}, {"color", d.color}, {"seed", d.seed}};
@@ -82,6 +81,32 @@ std::string to_json(const Report& report) {
   Json& failed = json["failed"] = Json::array();
   for (const SceneFailure& scene : report.failed) {
     failed.push_back({{"file", scene.file}, {"error", message_of(scene.status)}});
+  }
+  return json;
+}
+
+Json json_of(const std::vector<PairedDifference>& differences) {
+  Json metrics = Json::object();
+  for (const PairedDifference& d : differences) {
+    metrics[std::string(kMetrics[d.metric].name)] = {{"scenes", d.scenes},
+                                                     {"mean_a", d.mean_a},
+                                                     {"mean_b", d.mean_b},
+                                                     {"difference", d.difference},
+                                                     {"interval95", {d.low, d.high}},
+                                                     {"t", number_or_null(d.t)},
+                                                     {"p_two_sided", d.p_two_sided},
+                                                     {"p_better", number_or_null(d.p_better)}};
+  }
+  return metrics;
+}
+
+}  // namespace
+
+std::string to_json(const Report& report, const Peer* peer) {
+  Json json = json_of(report);
+  if (peer != nullptr) {
+    json["peer"] = json_of(peer->report);
+    json["differences"] = json_of(peer->differences);
   }
   return one_line(json);
 }
@@ -103,19 +128,7 @@ absl::StatusOr<Report> report_from_json(std::string_view text) {
 }
 
 std::string to_json(const std::vector<PairedDifference>& differences, const std::string& a, const std::string& b) {
-  Json json = {{"a", a}, {"b", b}};
-  Json& metrics = json["differences"] = Json::object();
-  for (const PairedDifference& d : differences) {
-    metrics[std::string(kMetrics[d.metric].name)] = {{"scenes", d.scenes},
-                                                     {"mean_a", d.mean_a},
-                                                     {"mean_b", d.mean_b},
-                                                     {"difference", d.difference},
-                                                     {"interval95", {d.low, d.high}},
-                                                     {"t", number_or_null(d.t)},
-                                                     {"p_two_sided", d.p_two_sided},
-                                                     {"p_better", number_or_null(d.p_better)}};
-  }
-  return one_line(json);
+  return one_line({{"a", a}, {"b", b}, {"differences", json_of(differences)}});
 }
 
 }  // namespace segserve::eval

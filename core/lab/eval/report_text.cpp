@@ -21,27 +21,17 @@ std::string row(std::string_view name, int name_width, const MetricValues& v) {
   return text + number(v[metric("ms")], 1, 9) + "\n";
 }
 
-std::string mean_line(std::string_view name, const MetricValues& v, std::initializer_list<std::size_t> metrics) {
+std::string mean_line(std::string_view name, const MetricValues& v, std::initializer_list<std::size_t> metrics,
+                      int digits = 4) {
   std::string text = fmt::format("{:<19}", name);
   for (const std::size_t m : metrics) {
     const std::string_view full = kMetrics[m].name;
-    text += fmt::format("  {} {}", full.substr(full.find('.') + 1), number(v[m], 4, 0));
+    text += fmt::format("  {} {}", full.substr(full.find('.') + 1), number(v[m], digits, 0));
   }
   return text + "\n";
 }
 
-std::string describe(const Degradation& d) {
-  std::string text;
-  if (d.scale != 1) text += fmt::format(", scaled by {}", d.scale);
-  if (d.noise_mm != 0) text += fmt::format(", {} mm depth noise at 1 m", d.noise_mm);
-  if (d.keep != 1) text += fmt::format(", {} of the points", d.keep);
-  if (!d.color) text += ", no color";
-  return text;
-}
-
-}  // namespace
-
-std::string to_text(const Report& report) {
+std::string own_text(const Report& report) {
   int width = 5;
   for (const SceneScores& scene : report.per_scene) width = std::max(width, static_cast<int>(scene.file.size()));
   std::string text = fmt::format("{:{}} {:>11} {:>8} {:>15} {:>8} {:>23} {:>9}\n", "", width, "", "", "one_to_one",
@@ -51,14 +41,7 @@ std::string to_text(const Report& report) {
   for (const SceneScores& scene : report.per_scene) text += row(scene.file, width, scene.values);
   const MetricValues v = mean(report.per_scene);
   text += row("mean", width, v);
-  text += fmt::format("\n{} on {} scenes of {}{}", report.method, report.per_scene.size(), report.folder,
-                      describe(report.degradation));
-  if (report.threshold) text += fmt::format(", threshold {}", *report.threshold);
-  if (report.learned) {
-    text += fmt::format(" (learned on {} scenes of {}, one_to_one tp {:.4f})", report.learned->sweep.scenes(),
-                        report.learned->folder, report.learned->sweep.tp(report.learned->sweep.best()));
-  }
-  text += "\n";
+  text += fmt::format("\n{}\n", headline(report));
   text += mean_line("one_to_one", v,
                     {metric("one_to_one.wov"), metric("one_to_one.tp"), metric("one_to_one.fp"),
                      metric("one_to_one.fn"), metric("one_to_one.f")});
@@ -67,11 +50,37 @@ std::string to_text(const Report& report) {
   text += mean_line("paper, objects", v,
                     {metric("paper_objects.wov"), metric("paper_objects.tp"), metric("paper_objects.fp"),
                      metric("paper_objects.fn")});
+  text += mean_line("instances (objects)", v,
+                    {metric("instance.ap"), metric("instance.ap50"), metric("instance.ap75"), metric("instance.ar"),
+                     metric("instance.ar50"), metric("instance.ar75")});
+  text +=
+      mean_line("panoptic, all", v, {metric("panoptic_all.pq"), metric("panoptic_all.sq"), metric("panoptic_all.rq")});
+  text += mean_line("panoptic, objects", v,
+                    {metric("panoptic_objects.pq"), metric("panoptic_objects.sq"), metric("panoptic_objects.rq")});
+  text += mean_line("overlap, objects", v,
+                    {metric("overlap_objects.precision"), metric("overlap_objects.recall"), metric("overlap_objects.f"),
+                     metric("overlap_objects.objects_f75")});
+  text += mean_line("objects per scene", v,
+                    {metric("object_counts.objects"), metric("object_counts.over_segmented"),
+                     metric("object_counts.under_segmented"), metric("object_counts.missed")},
+                    2);
+  text += mean_line("boundaries", v, {metric("boundary.precision"), metric("boundary.recall"), metric("boundary.f")});
   text +=
       mean_line("supervoxels", v,
                 {metric("supervoxel_quality.achievable_accuracy"), metric("supervoxel_quality.undersegmentation_error"),
                  metric("supervoxel_quality.boundary_recall")});
   return text;
+}
+
+}  // namespace
+
+std::string to_text(const Report& report, const Peer* peer) {
+  std::string text = own_text(report);
+  if (peer == nullptr) return text;
+  text += fmt::format("\n{}\n", own_text(peer->report));
+  if (peer->differences.empty())
+    return text + "Fewer than two scenes have scores of both, so there is no comparison.\n";
+  return text + to_text(peer->differences, report.method, peer->report.method);
 }
 
 std::string to_text(const std::vector<PairedDifference>& differences, const std::string& a, const std::string& b) {

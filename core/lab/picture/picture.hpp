@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 
 namespace segserve::picture {
@@ -38,11 +39,18 @@ struct RenderOptions {
 /// there is one.
 Image render(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options = {});
 
+/// The image, at most `max_width` pixels wide: squares of pixels, as small as possible, become their mean. Rows and
+/// columns beyond the last whole square are left out, unless nothing would be left.
+Image shrink(const Image& image, std::uint32_t max_width);
+
 /// A stable color for a label, 0x00RRGGBB. Consecutive labels look different. Label 0 (no point) is dark gray.
 std::uint32_t segment_color(std::uint32_t label);
 
 /// Writes an 8-bit RGB PNG file; "-" is standard output. INVALID_ARGUMENT if the image is empty,
 /// PERMISSION_DENIED or NOT_FOUND if the file cannot be opened, UNAVAILABLE if writing fails.
 absl::Status write_png(const std::string& path, const Image& image);
+
+/// The bytes of such a file. INVALID_ARGUMENT if the image is empty, UNAVAILABLE if libpng fails.
+absl::StatusOr<std::string> encode_png(const Image& image);
 
 }  // namespace segserve::picture

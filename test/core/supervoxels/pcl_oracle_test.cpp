@@ -7,9 +7,9 @@
 
 #include "core/lab/eval/scores.hpp"
 #include "core/lab/synth/scene.hpp"
+#include "core/pcl_adapter/peer/pcl_peer.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/segment.hpp"
-#include "test/pcl/pcl_peer.hpp"
 
 namespace segserve {
 namespace {

@@ -5,6 +5,9 @@
 
 #include <fstream>
 
+#include "core/lab/eval/boundary_scores.hpp"
+#include "core/lab/eval/instance_scores.hpp"
+#include "core/lab/eval/overlap_scores.hpp"
 #include "core/lab/eval/scores.hpp"
 #include "core/lab/synth/scene.hpp"
 #include "segserve/codec/cloud_file.hpp"
@@ -46,13 +49,46 @@ class Folder : public testing::Test {
 };
 
 TEST_F(Folder, ScenesAreTheCloudsInItByName) {
-  for (const char* name : {"b.pcd", "a.PLY", "c.txt", "pcd"}) std::ofstream(folder_ / name) << "x";
+  for (const char* name : {"b.pcd", "a.PLY", "c.txt", "pcd", "e.obj", "e.OBJ.gz", "f.las.zst", "g.npz"}) {
+    std::ofstream(folder_ / name) << "x";
+  }
+  std::ofstream(folder_ / "h.txt") << "x y z label\n0 0 1 1\n0 1 1 10\n";
   fs::create_directories(folder_ / "d.pcd");
-  EXPECT_THAT(*scene_files(folder_), testing::ElementsAre(folder_ / "a.PLY", folder_ / "b.pcd"));
+  EXPECT_THAT(*scene_files(folder_), testing::ElementsAre(folder_ / "a.PLY", folder_ / "b.pcd", folder_ / "f.las.zst",
+                                                          folder_ / "g.npz", folder_ / "h.txt"));
+}
+
+TEST_F(Folder, EveryFormatWithLabelsIsScoredAlike) {
+  for (const char* name : {"1.pcd", "1.ply", "1.las", "1.csv", "1.xyz", "1.npy"}) add_scene(name, 1);
+  const auto look = [](const CloudView& cloud) -> absl::StatusOr<Partition> {
+    const std::vector<std::uint32_t> one(cloud.size(), 1);
+    return Partition{.labels = one, .supervoxels = one};
+  };
+  const auto rows = run(look);
+  ASSERT_TRUE(rows.ok()) << rows.status();
+  ASSERT_EQ(rows->size(), 6U);
+  for (const SceneScores& row : *rows) {
+    EXPECT_EQ(row.values[metric("one_to_one.wov")], rows->front().values[metric("one_to_one.wov")]) << row.file;
+    EXPECT_EQ(row.values[metric("object_counts.objects")], rows->front().values[metric("object_counts.objects")]);
+  }
+}
+
+TEST_F(Folder, TheViewIsTheOneThatWasGiven) {
+  add_scene("1.pcd", 1);
+  ASSERT_EQ(load_scene(folder_ / "1.pcd", Degradation{})->cloud.view.kind, ViewKind::kCamera);
+  std::vector<View> views;
+  const auto look = [&](const CloudView& cloud) -> absl::StatusOr<Partition> {
+    views.push_back(cloud.view);
+    return absl::UnavailableError("seen");
+  };
+  evaluate(*scene_files(folder_), {}, look, [](std::size_t, std::size_t) {}, {.view = View::world(1, 2, 3)});
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views[0].kind, ViewKind::kWorld);
+  EXPECT_EQ(views[0].sensor->y(), 2);
 }
 
 TEST_F(Folder, FaultsOfTheFolderAreTold) {
-  EXPECT_THAT(std::string(scene_files(folder_).status().message()), HasSubstr("has no .pcd or .ply file"));
+  EXPECT_THAT(std::string(scene_files(folder_).status().message()), HasSubstr("has no cloud that can have labels"));
   EXPECT_EQ(scene_files(folder_ / "absent").status().code(), absl::StatusCode::kNotFound);
   std::ofstream(folder_ / "file") << "x";
   EXPECT_THAT(std::string(scene_files(folder_ / "file").status().message()), HasSubstr("is no folder"));
@@ -75,6 +111,12 @@ TEST_F(Folder, ScoresAreThoseOfTheSegmentation) {
   EXPECT_EQ(v[metric("one_to_one.wov")], one_to_one_scores(table).wov);
   EXPECT_EQ(v[metric("paper_all.tp")], paper_scores(table, Regions::kAll).tp);
   EXPECT_EQ(v[metric("paper_objects.wov")], paper_scores(table, Regions::kObjects).wov);
+  EXPECT_EQ(v[metric("instance.ap75")], instance_scores(table)->ap75);
+  EXPECT_EQ(v[metric("panoptic_all.rq")], panoptic_scores(table, Regions::kAll)->rq);
+  EXPECT_EQ(v[metric("panoptic_objects.pq")], panoptic_scores(table, Regions::kObjects)->pq);
+  EXPECT_EQ(v[metric("overlap_objects.precision")], overlap_scores(table)->precision);
+  EXPECT_EQ(v[metric("object_counts.over_segmented")], count_objects(table).over_segmented);
+  EXPECT_EQ(v[metric("boundary.f")], boundary_scores(first.label, expected.labels, 160, 120)->f);
   EXPECT_EQ(v[metric("supervoxel_quality.achievable_accuracy")],
             supervoxel_scores(*tabulate(first.label, expected.supervoxels)).achievable_accuracy);
   EXPECT_GT(*v[metric("supervoxel_quality.boundary_recall")], 0.5);
@@ -105,10 +147,16 @@ TEST_F(Folder, GroundTruthItselfScoresPerfectly) {
   const MetricValues v = run(truth)->front().values;
   for (const std::size_t m :
        {metric("one_to_one.wov"), metric("one_to_one.f"), metric("paper_all.tp"), metric("paper_objects.wov"),
+        metric("instance.ap"), metric("instance.ar75"), metric("panoptic_all.pq"), metric("panoptic_objects.sq"),
+        metric("overlap_objects.f"), metric("overlap_objects.objects_f75"), metric("boundary.f"),
         metric("supervoxel_quality.achievable_accuracy"), metric("supervoxel_quality.boundary_recall")}) {
     EXPECT_DOUBLE_EQ(*v[m], 1) << kMetrics[m].name;
   }
   EXPECT_EQ(v[metric("variation_of_information")], 0);
+  EXPECT_GT(v[metric("object_counts.objects")], 0);
+  EXPECT_EQ(v[metric("object_counts.over_segmented")], 0);
+  EXPECT_EQ(v[metric("object_counts.under_segmented")], 0);
+  EXPECT_EQ(v[metric("object_counts.missed")], 0);
 }
 
 TEST_F(Folder, AMethodSeesTheDegradedScene) {

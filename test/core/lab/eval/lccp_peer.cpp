@@ -1,49 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // A peer, not a test: scores PCL's LCCP (or its plain supervoxels) on a folder of scenes with our scoring code, and
-// writes what `segctl eval --json` writes, so that `segctl eval --compare` takes it. Settings:
-// core/lab/eval/README.md.
+// writes what `segctl eval --json` writes, so that `segctl eval --compare` takes it. Unlike
+// `segctl eval --peer lccp`, its settings are flags. They stand in core/lab/eval/README.md.
 
-#include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <set>
 
 #include "CLI/CLI.hpp"
 #include "client/segctl/degradation_flags.hpp"
 #include "core/lab/eval/evaluation.hpp"
 #include "core/lab/eval/report.hpp"
-#include "fmt/format.h"
-#include "test/pcl/pcl_peer.hpp"
+#include "core/pcl_adapter/peer/lccp_partition.hpp"
 
 namespace segserve {
 namespace {
 
-struct Settings {
-  pcl_peer::VccsSettings vccs;
-  pcl_peer::LccpSettings lccp;
-  bool only_supervoxels = false;
-};
+using pcl_peer::PeerSettings;
 
-std::size_t distinct(const std::vector<std::uint32_t>& labels) {
-  std::set<std::uint32_t> seen(labels.begin(), labels.end());
-  seen.erase(0);
-  return seen.size();
-}
-
-eval::Partition segment_by_pcl(const CloudView& cloud, const Settings& settings) {
-  const pcl_peer::PclCloud points(cloud);
-  const auto start = std::chrono::steady_clock::now();
-  const pcl_peer::PclSupervoxels supervoxels(points, settings.vccs);
-  eval::Partition partition;
-  partition.supervoxels = supervoxels.labels();
-  partition.labels = settings.only_supervoxels ? partition.supervoxels : supervoxels.merge(settings.lccp);
-  partition.ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-  partition.supervoxel_count = supervoxels.size();
-  partition.segment_count = distinct(partition.labels);
-  return partition;
-}
-
-void add_flags(CLI::App& app, Settings& s) {
+void add_flags(CLI::App& app, PeerSettings& s) {
   const auto setting = [&](const char* flag, auto& value, const char* help) {
     app.add_option(flag, value, help)->capture_default_str()->group("Settings");
   };
@@ -60,7 +34,7 @@ void add_flags(CLI::App& app, Settings& s) {
 }
 
 absl::Status run(const std::string& folder, const std::string& json_path, const eval::Degradation& degradation,
-                 const Settings& settings) {
+                 const PeerSettings& settings) {
   if (absl::Status status = eval::check(degradation); !status.ok()) return status;
   const auto files = eval::scene_files(folder);
   if (!files.ok()) return files.status();
@@ -69,8 +43,7 @@ absl::Status run(const std::string& folder, const std::string& json_path, const 
   report.folder = folder;
   report.degradation = degradation;
   eval::Evaluation evaluation = eval::evaluate(
-      *files, degradation,
-      [&](const CloudView& cloud) -> absl::StatusOr<eval::Partition> { return segment_by_pcl(cloud, settings); },
+      *files, degradation, [&](const CloudView& cloud) { return pcl_peer::partition(cloud, settings); },
       [](std::size_t, std::size_t) {});
   if (!evaluation.failures.empty()) return evaluation.failures.front().status;
   report.per_scene = std::move(evaluation.scores);
@@ -87,7 +60,7 @@ absl::Status run(const std::string& folder, const std::string& json_path, const 
 
 int main(int argc, char** argv) {
   CLI::App app("Scores PCL's LCCP with segserve's scoring code.", "lccp_peer");
-  segserve::Settings settings;
+  segserve::pcl_peer::PeerSettings settings;
   segserve::segctl::DegradationFlags degradation;
   std::string folder, json_path;
   app.add_option("--data", folder, "folder of scenes with ground truth")->required();

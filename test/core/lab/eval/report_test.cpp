@@ -72,8 +72,10 @@ TEST(Report, RefusesOtherFiles) {
 
 TEST(Report, TextNamesTheProtocols) {
   const std::string text = to_text(example());
-  for (const char* part : {"a.pcd", "b.pcd", "mean", "one_to_one", "paper, all regions", "paper, objects",
-                           "lambda on 2 scenes of osd, threshold 0.18", "boundary_recall 0.2500"}) {
+  for (const char* part :
+       {"a.pcd", "b.pcd", "mean", "one_to_one", "paper, all regions", "paper, objects",
+        "lambda on 2 scenes of osd, threshold 0.18", "boundary_recall 0.2500", "panoptic, objects    pq -  sq -  rq -",
+        "instances (objects)", "overlap, objects", "objects per scene", "boundaries"}) {
     EXPECT_THAT(text, HasSubstr(part));
   }
 }

@@ -4,6 +4,8 @@
 
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "core/lab/picture/picture.hpp"
 
@@ -46,6 +48,18 @@ TEST(WritePng, FaultsNameTheFile) {
   const auto full = write_png("/dev/full", image);
   EXPECT_EQ(full.code(), absl::StatusCode::kUnavailable);
   EXPECT_THAT(std::string(full.message()), testing::HasSubstr("/dev/full: writing failed"));
+}
+
+TEST(EncodePng, HasTheBytesOfTheFile) {
+  const std::string path = testing::TempDir() + "segserve_encoded.png";
+  for (const Image& image : {sample_image(1, 1), sample_image(320, 240)}) {
+    ASSERT_TRUE(write_png(path, image).ok());
+    std::ifstream file(path, std::ios::binary);
+    const std::string expected{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_EQ(encode_png(image).value(), expected);
+  }
+  std::filesystem::remove(path);
+  EXPECT_EQ(encode_png(Image{2, 2, {1, 2, 3}}).status().code(), absl::StatusCode::kInvalidArgument);
 }
 
 }  // namespace

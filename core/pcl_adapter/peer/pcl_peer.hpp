@@ -9,7 +9,7 @@
 #include "segserve/cloud.hpp"
 #include "segserve/options.hpp"
 
-// PCL's VCCS and LCCP as a peer, in tests and benchmarks. PCL's headers stay in the source: they take ten seconds.
+// PCL's VCCS and LCCP as a peer of ours. PCL's headers stay in the source, because they take ten seconds to compile.
 namespace segserve::pcl_peer {
 
 /// Of pcl::SupervoxelClustering. The defaults are those that suit LCCP on OSD best (core/lab/eval/README.md).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/lab/eval/boundary_recall.hpp"
+#include "core/lab/eval/boundary_scores.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -36,21 +36,37 @@ bool any_near(const std::vector<bool>& flags, std::size_t i, std::size_t width, 
   return false;
 }
 
-}  // namespace
-
-std::optional<double> boundary_recall(Labels truth, Labels supervoxels, std::uint32_t width, std::uint32_t height) {
-  if (height <= 1) return std::nullopt;
-  const std::vector<bool> wanted = boundary_pixels(truth, truth, width);
-  const std::vector<bool> found = boundary_pixels(truth, supervoxels, width);
+/// The share of the pixels of `wanted` that have a pixel of `found` within the tolerance. Unset if nothing is wanted.
+std::optional<double> share_found(const std::vector<bool>& wanted, const std::vector<bool>& found, std::size_t width,
+                                  std::size_t height) {
   std::size_t pixels = 0;
-  std::size_t recalled = 0;
+  std::size_t near = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
     if (!wanted[i]) continue;
     ++pixels;
-    if (any_near(found, i, width, height)) ++recalled;
+    if (any_near(found, i, width, height)) ++near;
   }
   if (pixels == 0) return std::nullopt;
-  return static_cast<double>(recalled) / static_cast<double>(pixels);
+  return static_cast<double>(near) / static_cast<double>(pixels);
+}
+
+}  // namespace
+
+std::optional<BoundaryScores> boundary_scores(Labels truth, Labels labels, std::uint32_t width, std::uint32_t height) {
+  if (height <= 1) return std::nullopt;
+  const std::vector<bool> wanted = boundary_pixels(truth, truth, width);
+  const std::vector<bool> found = boundary_pixels(truth, labels, width);
+  const auto recall = share_found(wanted, found, width, height);
+  if (!recall) return std::nullopt;
+  BoundaryScores scores{share_found(found, wanted, width, height), *recall, 0};
+  const double sum = scores.precision.value_or(0) + scores.recall;
+  if (sum > 0) scores.f = 2 * scores.precision.value_or(0) * scores.recall / sum;
+  return scores;
+}
+
+std::optional<double> boundary_recall(Labels truth, Labels supervoxels, std::uint32_t width, std::uint32_t height) {
+  if (height <= 1) return std::nullopt;
+  return share_found(boundary_pixels(truth, truth, width), boundary_pixels(truth, supervoxels, width), width, height);
 }
 
 }  // namespace segserve::eval

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "test/pcl/pcl_peer.hpp"
+#include "core/pcl_adapter/peer/pcl_peer.hpp"
 
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
