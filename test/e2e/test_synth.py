@@ -67,12 +67,37 @@ class Synth(EndToEnd):
         self.assertEqual(scenes[0], scenes[1])
         self.assertNotEqual(scenes[0], scenes[2])
 
+    def test_sensors_measure_one_scene_differently(self):
+        for kind in ((), ("--room-view",)):
+            clouds = {}
+            for sensor in ("kinect1", "stereo", "passive-stereo", "tof", "ideal"):
+                with self.subTest(kind=kind, sensor=sensor):
+                    scene = self.path("scene.pcd")
+                    told = json.loads(self.run_well("synth", *SMALL, *kind, "--sensor", sensor, "-o", scene, "--json",
+                                                    "-").stdout)
+                    self.assertEqual(told["intrinsics"]["fx"], 131.25)
+                    self.assertGreater(told["objects"], 3)
+                    clouds[sensor] = scene.read_bytes()
+            self.assertEqual(len(set(clouds.values())), 5)
+
+    def test_a_view_of_a_room_reaches_far(self):
+        scene = self.path("scene.pcd")
+        self.run_well("synth", "--room-view", *SMALL, "--sensor", "ideal", "-o", scene)
+        depths = pcd.read_points(scene)[2]
+        self.assertTrue(all(z == z for z in depths), "an ideal sensor sees the closed room at every pixel")
+        self.assertGreater(max(depths), 7)
+        self.run_well("synth", "--room-view", *SMALL, "--sensor", "ideal", "--size", "1", "-o", scene)
+        self.assertLess(max(pcd.read_points(scene)[2]), 5)
+
     def test_wrong_usage(self):
         for said, *flags in (("-o, --depth, --picture", "--seed", "2"), ("--seed: -1 is negative", "-o", "x.pcd", "--seed", "-1"),
                              ("--objects: -1 is negative", "-o", "x.pcd", "--objects", "-1"),
                              ("--rgb", "--rgb", "x.jpg"), ("must end in .png", "--depth", "x.jpg"),
                              ("must end in .jpg", "--depth", "x.png", "--rgb", "x.bmp"),
                              ("--depth", "--depth", "x.png", "--fused"),
+                             ("--sensor", "-o", "x.pcd", "--sensor", "sonar"), ("--sensor", "-o", "x.pcd", "--fused", "--sensor", "tof"),
+                             ("--clutter", "-o", "x.pcd", "--room-view", "--clutter", "1"),
+                             ("--size is that of a room", "-o", "x.pcd", "--size", "2"),
                              ("--depth-scale", "--depth", "x.png", "--depth-scale", "0"),
                              ("does not fit", "--depth", "x.png", "--depth-scale", "1e-6")):
             with self.subTest(flags=flags):

@@ -181,4 +181,10 @@ class RoomBuilder {
 
 RoomScene arrange_room(const RoomOptions& options) { return RoomBuilder(options).take(); }
 
+void add_ceiling(RoomScene& room) {
+  const Texture paint{.kind = TextureKind::kPlain, .base = {0.9, 0.9, 0.88}};
+  room.world.push_back(
+      box_between({-room.half_x, -room.half_y, kWallHeight}, {room.half_x, room.half_y, kWallHeight + 0.1}, paint, 6));
+}
+
 }  // namespace segserve::synth

@@ -37,6 +37,16 @@ absl::Status check(const SceneOptions& options) {
   return violations.status();
 }
 
+absl::Status check(const RoomViewOptions& options) {
+  Violations violations;
+  violations.require("width", options.width, 16, 4096);
+  violations.require("height", options.height, 16, 4096);
+  violations.require("size", options.size, 0.7, 10);
+  violations.require("objects", options.objects, 0, 60);
+  violations.require("noise", options.noise, 0, 10);
+  return violations.status();
+}
+
 absl::Status check(const RoomOptions& options) {
   Violations violations;
   violations.require("points", options.points, 1000, 20e6);
