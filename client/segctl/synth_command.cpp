@@ -36,16 +36,18 @@ const std::map<std::string, synth::Sensor>& sensors() {
 HelpText help() {
   return {
       .common = {"--seed", "--objects", "--noise", "--sensor", "--width", "--height", "--room-view", "--fused",
-                 "--points", "--depth", "--rgb", "--output", "--picture", "--plain-picture", "--json"},
+                 "--points", "--lidar", "--street", "--depth", "--rgb", "--output", "--picture", "--plain-picture",
+                 "--json"},
       .examples = R"(segctl synth -o table.pcd --plain-picture table.png
 segctl synth --seed 7 --objects 12 --noise 0 -o table.ply --picture ground_truth.png
 segctl synth --depth depth.png --rgb color.jpg
 segctl synth --room-view --sensor stereo -o far.pcd
-segctl synth --fused --points 1000000 -o room.pcd)",
+segctl synth --fused --points 1000000 -o room.pcd
+segctl synth --lidar 64 --street -o street.pcd)",
       .details =
           R"(The same flags give the same bytes on every machine. Ground truth is the field "label": 0 for no point and for points
-that lie on no surface, 1 to 9 for table, floor and walls, 20, 30, 40 and so on for objects. Images carry no ground
-truth.)",
+that lie on no surface, 1 to 9 for table, floor, ground, walls and facades, 20, 30, 40 and so on for objects. Images
+carry no ground truth, and LiDAR sweeps no colors.)",
       .exit_codes = "0 success; 1 the operation failed (disk full); 2 bad usage."};
 }
 
@@ -53,6 +55,7 @@ struct SynthArguments {
   synth::SceneOptions table;
   synth::RoomViewOptions room_view;
   synth::RoomOptions room;
+  synth::LidarOptions lidar;
   std::uint64_t seed = 1;
   double noise = 1;
   std::optional<std::uint32_t> objects;
@@ -61,6 +64,7 @@ struct SynthArguments {
   std::uint32_t width = 640, height = 480;
   bool sees_room = false;
   bool fused = false;
+  std::optional<std::uint32_t> rings;
   bool no_holes = false;
   SceneOutput scene_output;
   RgbdOutput rgbd_output;
@@ -81,14 +85,15 @@ void SynthArguments::add_scene_flags(CLI::App& app) {
       ->group("Scene");
   app.add_option("--noise", noise, "factor on the noise of the sensor, 0 to 10")->capture_default_str()->group("Scene");
   app.add_option("--objects", objects,
-                 fmt::format("number of small objects; default {} on a table, {} with --room-view, {} with --fused",
-                             table.objects, room_view.objects, room.objects))
+                 fmt::format("number of small objects; default {} on a table, {} with --room-view, {} with --fused, {} "
+                             "with --lidar",
+                             table.objects, room_view.objects, room.objects, lidar.objects))
       ->check(not_negative())
       ->group("Scene");
   app.add_option("--size", size,
                  fmt::format("factor on the edges of a room of 3.3 m x 2.8 m, 0.7 to 10; default {} with --room-view, "
-                             "{} with --fused",
-                             room_view.size, room.size))
+                             "{} with --fused, {} with --lidar",
+                             room_view.size, room.size, lidar.size))
       ->group("Scene");
 }
 
@@ -96,6 +101,7 @@ void SynthArguments::add_to(CLI::App& app) {
   const std::string table_group = "Table seen by a camera";
   const std::string camera_group = "Camera";
   const std::string room_group = "Rooms";
+  const std::string lidar_group = "LiDAR";
   add_scene_flags(app);
   CLI::Option* view_flag =
       app.add_flag("--room-view", sees_room, "a camera that looks across a room, instead of a table")
@@ -103,12 +109,31 @@ void SynthArguments::add_to(CLI::App& app) {
   CLI::Option* fused_flag = app.add_flag("--fused", fused, "a room fused from many views, in one WORLD cloud")
                                 ->excludes(view_flag)
                                 ->group(room_group);
+  CLI::Option* lidar_flag = app.add_option("--lidar", rings, "a turn of a LiDAR with 16, 32, 64 or 128 rings in a room")
+                                ->type_name("RINGS")
+                                ->check(not_negative())
+                                ->excludes(view_flag)
+                                ->excludes(fused_flag)
+                                ->group(lidar_group);
+  app.add_flag("--street", lidar.street, "on a street with cars and pedestrians, instead of a room")
+      ->needs(lidar_flag)
+      ->group(lidar_group);
+  app.add_option("--columns", lidar.columns, "directions a turn, 64 to 8192")
+      ->check(not_negative())
+      ->capture_default_str()
+      ->needs(lidar_flag)
+      ->group(lidar_group);
+  app.add_flag("--organized", lidar.organized, "one row a ring, with NaN where there is no echo")
+      ->needs(lidar_flag)
+      ->group(lidar_group);
   app.add_option("--points", room.points, "number of points with --fused, 1000 to 20 million")
       ->check(not_negative())
       ->capture_default_str()
       ->needs(fused_flag)
       ->group(room_group);
-  const auto of_camera = [&](CLI::Option* option) { return option->excludes(fused_flag)->group(camera_group); };
+  const auto of_camera = [&](CLI::Option* option) {
+    return option->excludes(fused_flag)->excludes(lidar_flag)->group(camera_group);
+  };
   of_camera(app.add_option("--sensor", sensor, "what measures depth: kinect1, stereo, passive-stereo, tof or ideal"))
       ->capture_default_str()
       ->check(CLI::IsMember(sensors()));
@@ -121,7 +146,7 @@ void SynthArguments::add_to(CLI::App& app) {
   of_camera(app.add_flag("--no-holes", no_holes, "no points without depth where the sensor cannot measure"));
   rgbd_output.add_to(app, camera_group);
   const auto of_table = [&](CLI::Option* option) {
-    option->excludes(fused_flag)->excludes(view_flag)->group(table_group);
+    option->excludes(fused_flag)->excludes(view_flag)->excludes(lidar_flag)->group(table_group);
   };
   const auto table_option = [&](const std::string& flag, double& value, const std::string& help) {
     of_table(app.add_option(flag, value, help)->capture_default_str());
@@ -144,6 +169,16 @@ absl::StatusOr<synth::SyntheticScene> make_fused_room(const SynthArguments& argu
   return synth::make_fused_room(room);
 }
 
+absl::StatusOr<synth::SyntheticScene> make_lidar_sweep(const SynthArguments& arguments) {
+  synth::LidarOptions lidar = arguments.lidar;
+  lidar.seed = arguments.seed;
+  lidar.noise = arguments.noise;
+  lidar.rings = *arguments.rings;
+  lidar.objects = arguments.objects.value_or(lidar.objects);
+  lidar.size = arguments.size.value_or(lidar.size);
+  return synth::make_lidar_sweep(lidar);
+}
+
 /// Sets what the table and the room that a camera sees have in common.
 template <typename CameraOptions>
 CameraOptions with_camera(const SynthArguments& arguments, CameraOptions options) {
@@ -159,6 +194,7 @@ CameraOptions with_camera(const SynthArguments& arguments, CameraOptions options
 
 absl::StatusOr<synth::SyntheticScene> make_scene(const SynthArguments& arguments) {
   if (arguments.fused) return make_fused_room(arguments);
+  if (arguments.rings) return make_lidar_sweep(arguments);
   if (arguments.sees_room) {
     synth::RoomViewOptions view = with_camera(arguments, arguments.room_view);
     view.size = arguments.size.value_or(view.size);
@@ -207,12 +243,16 @@ absl::Status run(const SynthArguments& arguments) {
   if (!arguments.scene_output.wanted() && !arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError("-o, --depth, --picture or --plain-picture is needed: what shall be written?");
   }
-  if (arguments.size && !arguments.fused && !arguments.sees_room) {
-    return absl::InvalidArgumentError("--size is that of a room: it needs --room-view or --fused");
+  const bool is_room = arguments.sees_room || arguments.fused || (arguments.rings && !arguments.lidar.street);
+  if (arguments.size && !is_room) {
+    return absl::InvalidArgumentError("--size is that of a room: it needs --room-view, --fused or --lidar");
   }
   if (arguments.fused && arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError(
         "--depth does not go with --fused: no camera sees a whole room; use -o for its points");
+  }
+  if (arguments.rings && arguments.rgbd_output.wanted()) {
+    return absl::InvalidArgumentError("--depth does not go with --lidar, which is no camera; use -o for its points");
   }
   StagedOutput output;
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
@@ -233,7 +273,7 @@ absl::Status run(const SynthArguments& arguments) {
 }  // namespace
 
 void add_synth_command(CLI::App& app, Command& chosen) {
-  add_command(app, chosen, "synth", "Make a synthetic RGB-D scene with ground truth", help(), run);
+  add_command(app, chosen, "synth", "Make a synthetic scene with ground truth", help(), run);
 }
 
 }  // namespace segserve::segctl

@@ -89,6 +89,17 @@ class Synth(EndToEnd):
         self.run_well("synth", "--room-view", *SMALL, "--sensor", "ideal", "--size", "1", "-o", scene)
         self.assertLess(max(pcd.read_points(scene)[2]), 5)
 
+    def test_a_lidar_sweep_is_seen_from_the_origin(self):
+        for flags, height in ((("--street",), 1), (("--street", "--organized"), 16), ((), 1), (("--organized",), 16)):
+            with self.subTest(flags=flags):
+                sweep = self.path("sweep.pcd")
+                told = json.loads(self.run_well("synth", "--lidar", "16", "--columns", "360", *flags, "-o", sweep,
+                                                "--json", "-").stdout)
+                self.assertEqual((told["height"], told["intrinsics"]), (height, None))
+                self.assertGreater(told["objects"], 2)
+                seen = json.loads(self.run_well("info", sweep, "--json", "-").stdout)
+                self.assertEqual(seen["view"], "world:0,0,0")
+
     def test_wrong_usage(self):
         for said, *flags in (("-o, --depth, --picture", "--seed", "2"), ("--seed: -1 is negative", "-o", "x.pcd", "--seed", "-1"),
                              ("--objects: -1 is negative", "-o", "x.pcd", "--objects", "-1"),
@@ -96,6 +107,10 @@ class Synth(EndToEnd):
                              ("must end in .jpg", "--depth", "x.png", "--rgb", "x.bmp"),
                              ("--depth", "--depth", "x.png", "--fused"),
                              ("--sensor", "-o", "x.pcd", "--sensor", "sonar"), ("--sensor", "-o", "x.pcd", "--fused", "--sensor", "tof"),
+                             ("rings is 17", "-o", "x.pcd", "--lidar", "17"),
+                             ("--street", "-o", "x.pcd", "--street"), ("--lidar", "-o", "x.pcd", "--lidar", "16", "--fused"),
+                             ("--depth does not go with --lidar", "--lidar", "16", "--depth", "x.png"),
+                             ("--size is that of a room", "-o", "x.pcd", "--lidar", "16", "--street", "--size", "2"),
                              ("--clutter", "-o", "x.pcd", "--room-view", "--clutter", "1"),
                              ("--size is that of a room", "-o", "x.pcd", "--size", "2"),
                              ("--depth-scale", "--depth", "x.png", "--depth-scale", "0"),

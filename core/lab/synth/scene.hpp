@@ -61,6 +61,18 @@ struct RoomOptions {
   double noise = 1.0;          ///< Factor on the noise of a Kinect v1 in each view, [0, 10].
 };
 
+/// One turn of a spinning LiDAR, in a furnished room or on a street. A point has no color.
+struct LidarOptions {
+  std::uint64_t seed = 1;        ///< Seed of everything that is random.
+  std::uint32_t rings = 32;      ///< 16, 32, 64 or 128, with the fields of view of usual sensors.
+  std::uint32_t columns = 1800;  ///< Directions a turn, 64 to 8192.
+  bool street = false;           ///< A street with facades, cars, pedestrians, posts and trees, instead of a room.
+  bool organized = false;     ///< One row a ring, NaN where there is no echo; else only the points, in order of time.
+  double size = 1.6;          ///< Factor on the edges of a room of 3.3 m x 2.8 m, [0.7, 10].
+  std::uint32_t objects = 4;  ///< Small objects per 9.2 m^2 of floor of the room, 0 to 60.
+  double noise = 1.0;         ///< Factor on the noise of the range, 1.5 cm, [0, 10].
+};
+
 /// A scene with ground truth. The label of a point is 0 if it is not finite or lies on no surface, 1 on the table or
 /// the floor, 2 to 9 on other support such as walls, and 20, 30, 40 and so on on objects, furniture included. In frames
 /// of cameras, visible parts of an object that do not touch in the image have labels of their own, 20, 21, 22 and so
@@ -78,6 +90,11 @@ absl::StatusOr<SyntheticScene> make_tabletop(const SceneOptions& options);
 /// Makes a frame as make_tabletop does.
 absl::StatusOr<SyntheticScene> make_room_view(const RoomViewOptions& options);
 
+/// Makes a cloud in meters in the WORLD view. z is up, and the sensor is at the origin: 1.7 m above the ground of a
+/// street (label 1, facades have labels 2 to 9), 1 to 1.9 m above the floor of a room. Objects of which fewer than ten
+/// points are seen have label 0. INVALID_ARGUMENT that names every option out of its range.
+absl::StatusOr<SyntheticScene> make_lidar_sweep(const LidarOptions& options);
+
 /// Makes an unorganized cloud in meters in the WORLD view. z is up, the floor is at z = 0, the center of the room is at
 /// x = y = 0, and the sensor is at the mean position of the virtual cameras. Every point is finite. Time and memory are
 /// proportional to the number of points. INVALID_ARGUMENT that names every option out of its range.
@@ -87,5 +104,6 @@ absl::StatusOr<SyntheticScene> make_fused_room(const RoomOptions& options);
 absl::Status check(const SceneOptions& options);
 absl::Status check(const RoomViewOptions& options);
 absl::Status check(const RoomOptions& options);
+absl::Status check(const LidarOptions& options);
 
 }  // namespace segserve::synth

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/lab/synth/furniture.hpp"
+#include "core/lab/synth/street_things.hpp"
 
 namespace segserve::synth {
 namespace {
@@ -51,6 +52,17 @@ TEST(HouseholdTest, ObjectsHaveHouseholdSizes) {
     EXPECT_LE(largest, 0.41);
     EXPECT_LE(object.top_x, object.half_x);
     EXPECT_LE(object.top_y, object.half_y);
+  }
+}
+
+TEST(StreetThingsTest, ThingsLieWithinTheBoxTheyDeclare) {
+  Random random(9);
+  for (int i = 0; i < 100; ++i) {
+    SCOPED_TRACE(i);
+    for (const auto make : {random_car, random_van, random_pedestrian}) {
+      expect_within_declared_box(make(random), random);
+      if (HasFatalFailure()) return;
+    }
   }
 }
 
