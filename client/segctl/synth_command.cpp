@@ -217,11 +217,19 @@ std::size_t count_objects(const synth::SyntheticScene& scene) {
   return objects.size();
 }
 
+/// The different labels of the ground truth, each of which is a region that eval scores.
+std::size_t count_regions(const synth::SyntheticScene& scene) {
+  std::set<std::uint32_t> regions(scene.label.begin(), scene.label.end());
+  regions.erase(0);
+  return regions.size();
+}
+
 Json to_json(const SynthArguments& arguments, const synth::SyntheticScene& scene) {
   Json json{{"width", scene.cloud.width},      {"height", scene.cloud.height},
             {"points", scene.cloud.size()},    {"finite", count_finite(scene.cloud)},
-            {"objects", count_objects(scene)}, {"seed", arguments.seed},
-            {"intrinsics", nullptr},           {"depth_scale", nullptr}};
+            {"objects", count_objects(scene)}, {"regions", count_regions(scene)},
+            {"seed", arguments.seed},          {"intrinsics", nullptr},
+            {"depth_scale", nullptr}};
   if (scene.camera) {
     const codec::Intrinsics& camera = *scene.camera;
     json["intrinsics"] = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};

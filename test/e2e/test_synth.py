@@ -18,6 +18,7 @@ class Synth(EndToEnd):
         self.assertEqual((told["width"], told["height"], told["points"]), (160, 120, 160 * 120))
         self.assertEqual(told["finite"], sum(x == x for x in pcd.read_points(scene)[0]))
         self.assertEqual((told["seed"], told["objects"]), (3, 4))
+        self.assertEqual(told["regions"], len(set(pcd.read_labels(scene)) - {0}))
         self.assertEqual(told["intrinsics"], {"fx": 131.25, "fy": 131.25, "cx": 79.5, "cy": 59.5})
         self.assertIsNone(told["depth_scale"])
         room = json.loads(self.run_well("synth", "--fused", "--points", "2000", "-o", scene, "--json", "-").stdout)
