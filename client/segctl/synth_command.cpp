@@ -65,6 +65,7 @@ struct SynthArguments {
   bool sees_room = false;
   bool fused = false;
   std::optional<std::uint32_t> rings;
+  bool furnished = false;
   bool no_holes = false;
   SceneOutput scene_output;
   RgbdOutput rgbd_output;
@@ -103,6 +104,8 @@ void SynthArguments::add_to(CLI::App& app) {
   const std::string room_group = "Rooms";
   const std::string lidar_group = "LiDAR";
   add_scene_flags(app);
+  app.add_flag("--furnished", furnished, "more kinds of furniture: sofas, beds, desks, office chairs, stools, lamps")
+      ->group(room_group);
   CLI::Option* view_flag =
       app.add_flag("--room-view", sees_room, "a camera that looks across a room, instead of a table")
           ->group(room_group);
@@ -154,6 +157,7 @@ void SynthArguments::add_to(CLI::App& app) {
   table_option("--stacked", table.stacked, "share of the objects on top of others, 0 to 1");
   table_option("--clutter", table.clutter, "0: objects spread over the table, 1: crowded");
   table_option("--distance", table.distance, "factor on the usual distance of the camera, 0.5 to 3");
+  of_table(app.add_flag("--hollow", table.hollow, "only bowls, cups, open boxes, plates, cables and their like"));
   of_table(app.add_flag("--all-finite", table.all_finite, "a wall behind the table: every pixel is a point"));
   scene_output.add_to(app);
   json.add_to(app, "write what the scene holds as one JSON object");
@@ -166,6 +170,7 @@ absl::StatusOr<synth::SyntheticScene> make_fused_room(const SynthArguments& argu
   room.noise = arguments.noise;
   room.objects = arguments.objects.value_or(room.objects);
   room.size = arguments.size.value_or(room.size);
+  room.furnished = arguments.furnished;
   return synth::make_fused_room(room);
 }
 
@@ -176,6 +181,7 @@ absl::StatusOr<synth::SyntheticScene> make_lidar_sweep(const SynthArguments& arg
   lidar.rings = *arguments.rings;
   lidar.objects = arguments.objects.value_or(lidar.objects);
   lidar.size = arguments.size.value_or(lidar.size);
+  lidar.furnished = arguments.furnished;
   return synth::make_lidar_sweep(lidar);
 }
 
@@ -198,6 +204,7 @@ absl::StatusOr<synth::SyntheticScene> make_scene(const SynthArguments& arguments
   if (arguments.sees_room) {
     synth::RoomViewOptions view = with_camera(arguments, arguments.room_view);
     view.size = arguments.size.value_or(view.size);
+    view.furnished = arguments.furnished;
     return synth::make_room_view(view);
   }
   return synth::make_tabletop(with_camera(arguments, arguments.table));
@@ -252,8 +259,9 @@ absl::Status run(const SynthArguments& arguments) {
     return absl::InvalidArgumentError("-o, --depth, --picture or --plain-picture is needed: what shall be written?");
   }
   const bool is_room = arguments.sees_room || arguments.fused || (arguments.rings && !arguments.lidar.street);
-  if (arguments.size && !is_room) {
-    return absl::InvalidArgumentError("--size is that of a room: it needs --room-view, --fused or --lidar");
+  if ((arguments.size || arguments.furnished) && !is_room) {
+    return absl::InvalidArgumentError(fmt::format("{} is for a room: it needs --room-view, --fused or --lidar",
+                                                  arguments.size ? "--size" : "--furnished"));
   }
   if (arguments.fused && arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError(

@@ -31,6 +31,8 @@ RINGS = ("16", "32", "64", "128")
 KINDS = {
     **{f"table-{sensor}": ("--sensor", sensor) for sensor in SENSORS},
     "table-crowded": ("--objects", "20", "--clutter", "1", "--stacked", "0.5"),
+    "table-hollow": ("--hollow", "--objects", "10"),
+    "table-hollow-stereo": ("--hollow", "--objects", "10", "--sensor", "stereo"),
     "table-near": ("--distance", "0.5"),
     "table-far": ("--distance", "3"),
     "table-small": ("--width", "160", "--height", "120"),
@@ -40,6 +42,7 @@ KINDS = {
     **{f"room-{rings}": ("--lidar", rings) for rings in RINGS},
     **{f"street-{rings}": ("--lidar", rings, "--street") for rings in RINGS},
     "fused": ("--fused", "--points", "300000"),
+    "fused-furnished": ("--fused", "--points", "500000", "--size", "1.6", "--furnished"),
 }
 SCORES = ("one_to_one", "objects", "segments", "ms")
 

@@ -90,6 +90,14 @@ class Synth(EndToEnd):
         self.run_well("synth", "--room-view", *SMALL, "--sensor", "ideal", "--size", "1", "-o", scene)
         self.assertLess(max(pcd.read_points(scene)[2]), 5)
 
+    def test_hollow_things_and_more_furniture(self):
+        for plain, more in (((), ("--hollow",)), (("--fused", "--points", "20000"), ("--furnished",)),
+                            (("--room-view",), ("--furnished",)), (("--lidar", "16"), ("--furnished",))):
+            with self.subTest(flags=plain):
+                size = SMALL if plain in ((), ("--room-view",)) else ()
+                scenes = [self.synth(*plain, *size, *flags, name=f"{len(flags)}.pcd").read_bytes() for flags in ((), more)]
+                self.assertNotEqual(*scenes)
+
     def test_a_lidar_sweep_is_seen_from_the_origin(self):
         for flags, height in ((("--street",), 1), (("--street", "--organized"), 16), ((), 1), (("--organized",), 16)):
             with self.subTest(flags=flags):
@@ -108,12 +116,14 @@ class Synth(EndToEnd):
                              ("must end in .jpg", "--depth", "x.png", "--rgb", "x.bmp"),
                              ("--depth", "--depth", "x.png", "--fused"),
                              ("--sensor", "-o", "x.pcd", "--sensor", "sonar"), ("--sensor", "-o", "x.pcd", "--fused", "--sensor", "tof"),
+                             ("--furnished is for a room", "-o", "x.pcd", "--furnished"),
+                             ("--hollow", "-o", "x.pcd", "--fused", "--hollow"),
                              ("rings is 17", "-o", "x.pcd", "--lidar", "17"),
                              ("--street", "-o", "x.pcd", "--street"), ("--lidar", "-o", "x.pcd", "--lidar", "16", "--fused"),
                              ("--depth does not go with --lidar", "--lidar", "16", "--depth", "x.png"),
-                             ("--size is that of a room", "-o", "x.pcd", "--lidar", "16", "--street", "--size", "2"),
+                             ("--size is for a room", "-o", "x.pcd", "--lidar", "16", "--street", "--size", "2"),
                              ("--clutter", "-o", "x.pcd", "--room-view", "--clutter", "1"),
-                             ("--size is that of a room", "-o", "x.pcd", "--size", "2"),
+                             ("--size is for a room", "-o", "x.pcd", "--size", "2"),
                              ("--depth-scale", "--depth", "x.png", "--depth-scale", "0"),
                              ("does not fit", "--depth", "x.png", "--depth-scale", "1e-6")):
             with self.subTest(flags=flags):

@@ -38,7 +38,8 @@ Vec3 choose_place(const RoomScene& room) {
 }
 
 SyntheticScene sweep_room(const SpinningLidar& lidar, const LidarOptions& options) {
-  RoomScene room = arrange_room({.seed = options.seed, .size = options.size, .objects = options.objects});
+  RoomScene room = arrange_room(
+      {.seed = options.seed, .size = options.size, .objects = options.objects, .furnished = options.furnished});
   add_ceiling(room);
   Random random(mix(options.seed) + 6);
   return lidar.sweep(room.world, choose_place(room), nullptr, random);

@@ -53,7 +53,8 @@ Camera choose_camera(const RoomScene& room, const RoomViewOptions& options, Rand
 
 absl::StatusOr<SyntheticScene> make_room_view(const RoomViewOptions& options) {
   RETURN_IF_ERROR(check(options));
-  RoomScene room = arrange_room({.seed = options.seed, .size = options.size, .objects = options.objects});
+  RoomScene room = arrange_room(
+      {.seed = options.seed, .size = options.size, .objects = options.objects, .furnished = options.furnished});
   Lighting lighting;
   lighting.lamp = unit(room.lamp);
   lighting.window = unit({1, 0.4, 0.5});

@@ -31,6 +31,7 @@ struct SceneOptions {
   std::uint32_t objects = 8;   ///< 0 to 40. Fewer are placed when the table is full.
   double stacked = 0.25;       ///< Share of the objects that are placed on others, [0, 1].
   double clutter = 0.5;        ///< 0: spread over the table; 1: crowded, so that objects hide one another.
+  bool hollow = false;         ///< Only hollow and thin objects: bowls, cups, mugs, open boxes, plates, cables.
   Sensor sensor = Sensor::kKinect1;
   double noise = 1.0;       ///< Factor on the noise of the sensor and of the colors, [0, 10].
   double distance = 1.0;    ///< Factor on the usual distance of the camera (0.8 to 1.3 m), [0.5, 3].
@@ -46,6 +47,7 @@ struct RoomViewOptions {
   std::uint32_t height = 480;  ///< Pixels, 16 to 4096.
   double size = 2.2;           ///< Factor on the edges of a room of 3.3 m x 2.8 m, [0.7, 10].
   std::uint32_t objects = 8;   ///< Small objects per 9.2 m^2 of floor, 0 to 60.
+  bool furnished = false;      ///< See RoomOptions.
   Sensor sensor = Sensor::kKinect1;
   double noise = 1.0;  ///< Factor on the noise of the sensor and of the colors, [0, 10].
   bool holes = true;   ///< Points without depth, where the sensor cannot measure.
@@ -58,7 +60,10 @@ struct RoomOptions {
   std::uint32_t points = 600000;
   double size = 1.0;           ///< Factor on the edges of the usual room, 3.3 m x 2.8 m, [0.7, 10].
   std::uint32_t objects = 16;  ///< Small objects per 9.2 m^2 of floor (size 1), 0 to 60.
-  double noise = 1.0;          ///< Factor on the noise of a Kinect v1 in each view, [0, 10].
+  /// More kinds of furniture, besides tables, chairs, bookcases, sideboards and armchairs: sofas, beds, desks, office
+  /// chairs, stools and floor lamps.
+  bool furnished = false;
+  double noise = 1.0;  ///< Factor on the noise of a Kinect v1 in each view, [0, 10].
 };
 
 /// One turn of a spinning LiDAR, in a furnished room or on a street. A point has no color.
@@ -70,6 +75,7 @@ struct LidarOptions {
   bool organized = false;     ///< One row a ring, NaN where there is no echo; else only the points, in order of time.
   double size = 1.6;          ///< Factor on the edges of a room of 3.3 m x 2.8 m, [0.7, 10].
   std::uint32_t objects = 4;  ///< Small objects per 9.2 m^2 of floor of the room, 0 to 60.
+  bool furnished = false;     ///< See RoomOptions; for a room.
   double noise = 1.0;         ///< Factor on the noise of the range, 1.5 cm, [0, 10].
 };
 

@@ -98,13 +98,13 @@ void fatten_edges(DepthImage& image, double focal, double noise, std::uint64_t s
 }
 
 void cut_textureless(DepthImage& image, const std::vector<float>& matchable, std::uint64_t seed) {
-  const double cell = 6 * pixel_scale(image);
+  const double cell = 14 * pixel_scale(image);
   for (std::uint32_t v = 0; v < image.height; ++v) {
     for (std::uint32_t u = 0; u < image.width; ++u) {
       const std::size_t i = std::size_t{v} * image.width + u;
       constexpr double kDoubtful = 0.2;
-      const double lost = 0.6 * (kDoubtful - matchable[i]) / kDoubtful;
-      if (lost > 0 && fractal_noise(u / cell, v / cell, seed) < lost) image.depth[i] = 0;
+      const double lost = 0.7 * (kDoubtful - matchable[i]) / kDoubtful;
+      if (lost > 0 && value_noise(u / cell, v / cell, seed) < lost) image.depth[i] = 0;
     }
   }
 }
