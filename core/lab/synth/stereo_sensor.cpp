@@ -60,9 +60,9 @@ std::vector<float> contrast_of(const std::vector<Vec3>& color, std::int64_t widt
 std::vector<float> matchability(const std::vector<Vec3>& color, const DepthImage& image, bool projector) {
   std::vector<float> result = contrast_of(color, image.width, image.height);
   for (std::size_t i = 0; i < result.size(); ++i) {
-    constexpr double kPatternReach = 2.2;  // meters
+    constexpr double kPatternReach = 2.5;  // meters
     const double z = std::max(kPatternReach, image.depth[i]);
-    const double pattern = projector ? kEnoughTexture * (kPatternReach * kPatternReach) / (z * z) : 0;
+    const double pattern = projector ? kEnoughTexture * kPatternReach / z : 0;
     const double texture = std::sqrt(result[i] * result[i] + pattern * pattern);
     result[i] = static_cast<float>(std::min(1.0, texture / kEnoughTexture));
   }
