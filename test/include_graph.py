@@ -19,7 +19,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # The steps of the method in the order in which data flows: each may include itself and those before it.
-STEPS = ["core/base", "core/simd", "core/math", "core/cloud", "core/options", "core/voxels", "core/normals", "core/support_plane",
+STEPS = ["core/base", "core/simd", "core/math", "core/cloud", "core/options", "core/voxels", "core/scale", "core/normals", "core/support_plane",
          "core/supervoxels", "core/region_graph", "core/weights", "core/merging", "core/labels", "core/statistics", "core/pipeline"]
 PUBLIC_CORE = ["core/include"]
 CODEC = [*PUBLIC_CORE, "core/base", "core/codec"]

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -22,28 +24,48 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kFirstObjectLabel = 20;
 
+const std::map<std::string, synth::Sensor>& sensors() {
+  static const std::map<std::string, synth::Sensor> kSensors{{"kinect1", synth::Sensor::kKinect1},
+                                                             {"stereo", synth::Sensor::kStereo},
+                                                             {"passive-stereo", synth::Sensor::kPassiveStereo},
+                                                             {"tof", synth::Sensor::kTimeOfFlight},
+                                                             {"ideal", synth::Sensor::kIdeal}};
+  return kSensors;
+}
+
 HelpText help() {
   return {
-      .common = {"--seed", "--objects", "--noise", "--width", "--height", "--fused", "--points", "--depth", "--rgb",
-                 "--output", "--picture", "--plain-picture", "--json"},
+      .common = {"--seed", "--objects", "--noise", "--sensor", "--width", "--height", "--room-view", "--fused",
+                 "--points", "--lidar", "--street", "--depth", "--rgb", "--output", "--picture", "--plain-picture",
+                 "--json"},
       .examples = R"(segctl synth -o table.pcd --plain-picture table.png
 segctl synth --seed 7 --objects 12 --noise 0 -o table.ply --picture ground_truth.png
 segctl synth --depth depth.png --rgb color.jpg
-segctl synth --fused --points 1000000 -o room.pcd)",
+segctl synth --room-view --sensor stereo -o far.pcd
+segctl synth --fused --points 1000000 -o room.pcd
+segctl synth --lidar 64 --street -o street.pcd)",
       .details =
-          R"(The same flags give the same bytes on every machine. Ground truth is the field "label": 0 for no point, 1 to 9 for
-table, floor and walls, 20, 30, 40 and so on for objects. Images carry no ground truth.)",
+          R"(The same flags give the same bytes on every machine. Ground truth is the field "label": 0 for no point and for points
+that lie on no surface, 1 to 9 for table, floor, ground, walls and facades, 20, 30, 40 and so on for objects. Images
+carry no ground truth, and LiDAR sweeps no colors.)",
       .exit_codes = "0 success; 1 the operation failed (disk full); 2 bad usage."};
 }
 
 struct SynthArguments {
   synth::SceneOptions table;
+  synth::RoomViewOptions room_view;
   synth::RoomOptions room;
+  synth::LidarOptions lidar;
   std::uint64_t seed = 1;
   double noise = 1;
-  CLI::Option* objects_flag = nullptr;
-  std::uint32_t objects = 0;
+  std::optional<std::uint32_t> objects;
+  std::optional<double> size;
+  std::string sensor = "kinect1";
+  std::uint32_t width = 640, height = 480;
+  bool sees_room = false;
   bool fused = false;
+  std::optional<std::uint32_t> rings;
+  bool furnished = false;
   bool no_holes = false;
   SceneOutput scene_output;
   RgbdOutput rgbd_output;
@@ -51,63 +73,141 @@ struct SynthArguments {
   bool quiet = false;
 
   void add_to(CLI::App& app);
+
+ private:
+  void add_scene_flags(CLI::App& app);
 };
 
-void SynthArguments::add_to(CLI::App& app) {
-  const std::string table_group = "Table seen by a camera";
-  const std::string room_group = "Room fused from many views";
+/// The flags of every scene, and those that choose its kind.
+void SynthArguments::add_scene_flags(CLI::App& app) {
   app.add_option("--seed", seed, "seed of everything that is random")
       ->check(not_negative())
       ->capture_default_str()
       ->group("Scene");
-  app.add_option("--noise", noise, "factor on the noise of a Kinect, 0 to 10")->capture_default_str()->group("Scene");
-  objects_flag =
-      app.add_option("--objects", objects,
-                     fmt::format("number of objects; default {}, {} with --fused", table.objects, room.objects))
-          ->check(not_negative())
-          ->group("Scene");
-  CLI::Option* fused_flag =
-      app.add_flag("--fused", fused, "a room in one WORLD cloud, instead of a table")->group(room_group);
-  const auto table_option = [&](const std::string& flag, auto& value, const std::string& help) {
-    return app.add_option(flag, value, help)->capture_default_str()->excludes(fused_flag)->group(table_group);
+  app.add_option("--noise", noise, "factor on the noise of the sensor, 0 to 10")->capture_default_str()->group("Scene");
+  app.add_option("--objects", objects,
+                 fmt::format("number of small objects; default {} on a table, {} with --room-view, {} with --fused, {} "
+                             "with --lidar",
+                             table.objects, room_view.objects, room.objects, lidar.objects))
+      ->check(not_negative())
+      ->group("Scene");
+  app.add_option("--size", size,
+                 fmt::format("factor on the edges of a room of 3.3 m x 2.8 m, 0.7 to 10; default {} with --room-view, "
+                             "{} with --fused, {} with --lidar",
+                             room_view.size, room.size, lidar.size))
+      ->group("Scene");
+}
+
+void SynthArguments::add_to(CLI::App& app) {
+  const std::string table_group = "Table seen by a camera";
+  const std::string camera_group = "Camera";
+  const std::string room_group = "Rooms";
+  const std::string lidar_group = "LiDAR";
+  add_scene_flags(app);
+  app.add_flag("--furnished", furnished, "more kinds of furniture: sofas, beds, desks, office chairs, stools, lamps")
+      ->group(room_group);
+  CLI::Option* view_flag =
+      app.add_flag("--room-view", sees_room, "a camera that looks across a room, instead of a table")
+          ->group(room_group);
+  CLI::Option* fused_flag = app.add_flag("--fused", fused, "a room fused from many views, in one WORLD cloud")
+                                ->excludes(view_flag)
+                                ->group(room_group);
+  CLI::Option* lidar_flag = app.add_option("--lidar", rings, "a turn of a LiDAR with 16, 32, 64 or 128 rings in a room")
+                                ->type_name("RINGS")
+                                ->check(not_negative())
+                                ->excludes(view_flag)
+                                ->excludes(fused_flag)
+                                ->group(lidar_group);
+  app.add_flag("--street", lidar.street, "on a street with cars and pedestrians, instead of a room")
+      ->needs(lidar_flag)
+      ->group(lidar_group);
+  app.add_option("--columns", lidar.columns, "directions a turn, 64 to 8192")
+      ->check(not_negative())
+      ->capture_default_str()
+      ->needs(lidar_flag)
+      ->group(lidar_group);
+  app.add_flag("--organized", lidar.organized, "one row a ring, with NaN where there is no echo")
+      ->needs(lidar_flag)
+      ->group(lidar_group);
+  app.add_option("--points", room.points, "number of points with --fused, 1000 to 20 million")
+      ->check(not_negative())
+      ->capture_default_str()
+      ->needs(fused_flag)
+      ->group(room_group);
+  const auto of_camera = [&](CLI::Option* option) {
+    return option->excludes(fused_flag)->excludes(lidar_flag)->group(camera_group);
   };
-  const auto room_option = [&](const std::string& flag, auto& value, const std::string& help) {
-    return app.add_option(flag, value, help)->capture_default_str()->needs(fused_flag)->group(room_group);
+  of_camera(app.add_option("--sensor", sensor, "what measures depth: kinect1, stereo, passive-stereo, tof or ideal"))
+      ->capture_default_str()
+      ->check(CLI::IsMember(sensors()));
+  of_camera(app.add_option("--width", width, "width of the image in pixels, 16 to 4096"))
+      ->capture_default_str()
+      ->check(not_negative());
+  of_camera(app.add_option("--height", height, "height of the image in pixels, 16 to 4096"))
+      ->capture_default_str()
+      ->check(not_negative());
+  of_camera(app.add_flag("--no-holes", no_holes, "no points without depth where the sensor cannot measure"));
+  rgbd_output.add_to(app, camera_group);
+  const auto of_table = [&](CLI::Option* option) {
+    option->excludes(fused_flag)->excludes(view_flag)->excludes(lidar_flag)->group(table_group);
   };
-  table_option("--width", table.width, "width of the image in pixels, 16 to 4096")->check(not_negative());
-  table_option("--height", table.height, "height of the image in pixels, 16 to 4096")->check(not_negative());
+  const auto table_option = [&](const std::string& flag, double& value, const std::string& help) {
+    of_table(app.add_option(flag, value, help)->capture_default_str());
+  };
   table_option("--stacked", table.stacked, "share of the objects on top of others, 0 to 1");
   table_option("--clutter", table.clutter, "0: objects spread over the table, 1: crowded");
   table_option("--distance", table.distance, "factor on the usual distance of the camera, 0.5 to 3");
-  app.add_flag("--no-holes", no_holes, "no points without depth on the table")
-      ->excludes(fused_flag)
-      ->group(table_group);
-  app.add_flag("--all-finite", table.all_finite, "a wall behind the table: every pixel is a point")
-      ->excludes(fused_flag)
-      ->group(table_group);
-  rgbd_output.add_to(app, table_group);
-  room_option("--points", room.points, "number of points, 1000 to 20 million")->check(not_negative());
-  room_option("--size", room.size, "factor on the usual edges of the room, 0.7 to 10");
+  of_table(app.add_flag("--hollow", table.hollow, "only bowls, cups, open boxes, plates, cables and their like"));
+  of_table(app.add_flag("--all-finite", table.all_finite, "a wall behind the table: every pixel is a point"));
   scene_output.add_to(app);
   json.add_to(app, "write what the scene holds as one JSON object");
   app.add_flag("-q,--quiet", quiet, "print no summary")->group("Output");
 }
 
+absl::StatusOr<synth::SyntheticScene> make_fused_room(const SynthArguments& arguments) {
+  synth::RoomOptions room = arguments.room;
+  room.seed = arguments.seed;
+  room.noise = arguments.noise;
+  room.objects = arguments.objects.value_or(room.objects);
+  room.size = arguments.size.value_or(room.size);
+  room.furnished = arguments.furnished;
+  return synth::make_fused_room(room);
+}
+
+absl::StatusOr<synth::SyntheticScene> make_lidar_sweep(const SynthArguments& arguments) {
+  synth::LidarOptions lidar = arguments.lidar;
+  lidar.seed = arguments.seed;
+  lidar.noise = arguments.noise;
+  lidar.rings = *arguments.rings;
+  lidar.objects = arguments.objects.value_or(lidar.objects);
+  lidar.size = arguments.size.value_or(lidar.size);
+  lidar.furnished = arguments.furnished;
+  return synth::make_lidar_sweep(lidar);
+}
+
+/// Sets what the table and the room that a camera sees have in common.
+template <typename CameraOptions>
+CameraOptions with_camera(const SynthArguments& arguments, CameraOptions options) {
+  options.seed = arguments.seed;
+  options.noise = arguments.noise;
+  options.objects = arguments.objects.value_or(options.objects);
+  options.sensor = sensors().at(arguments.sensor);
+  options.width = arguments.width;
+  options.height = arguments.height;
+  options.holes = !arguments.no_holes;
+  return options;
+}
+
 absl::StatusOr<synth::SyntheticScene> make_scene(const SynthArguments& arguments) {
-  const bool objects_given = arguments.objects_flag->count() > 0;
-  if (arguments.fused) {
-    synth::RoomOptions room = arguments.room;
-    room.seed = arguments.seed;
-    room.noise = arguments.noise;
-    if (objects_given) room.objects = arguments.objects;
-    return synth::make_fused_room(room);
+  if (arguments.fused) return make_fused_room(arguments);
+  if (arguments.rings) return make_lidar_sweep(arguments);
+  if (arguments.sees_room) {
+    synth::RoomViewOptions view = with_camera(arguments, arguments.room_view);
+    view.size = arguments.size.value_or(view.size);
+    view.furnished = arguments.furnished;
+    return synth::make_room_view(view);
   }
-  synth::SceneOptions table = arguments.table;
-  table.seed = arguments.seed;
-  table.noise = arguments.noise;
-  table.holes = !arguments.no_holes;
-  if (objects_given) table.objects = arguments.objects;
-  return synth::make_tabletop(table);
+  return synth::make_tabletop(with_camera(arguments, arguments.table));
 }
 
 std::size_t count_finite(const CloudView& cloud) {
@@ -124,11 +224,19 @@ std::size_t count_objects(const synth::SyntheticScene& scene) {
   return objects.size();
 }
 
+/// The different labels of the ground truth, each of which is a region that eval scores.
+std::size_t count_regions(const synth::SyntheticScene& scene) {
+  std::set<std::uint32_t> regions(scene.label.begin(), scene.label.end());
+  regions.erase(0);
+  return regions.size();
+}
+
 Json to_json(const SynthArguments& arguments, const synth::SyntheticScene& scene) {
   Json json{{"width", scene.cloud.width},      {"height", scene.cloud.height},
             {"points", scene.cloud.size()},    {"finite", count_finite(scene.cloud)},
-            {"objects", count_objects(scene)}, {"seed", arguments.seed},
-            {"intrinsics", nullptr},           {"depth_scale", nullptr}};
+            {"objects", count_objects(scene)}, {"regions", count_regions(scene)},
+            {"seed", arguments.seed},          {"intrinsics", nullptr},
+            {"depth_scale", nullptr}};
   if (scene.camera) {
     const codec::Intrinsics& camera = *scene.camera;
     json["intrinsics"] = {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy}};
@@ -150,9 +258,17 @@ absl::Status run(const SynthArguments& arguments) {
   if (!arguments.scene_output.wanted() && !arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError("-o, --depth, --picture or --plain-picture is needed: what shall be written?");
   }
+  const bool is_room = arguments.sees_room || arguments.fused || (arguments.rings && !arguments.lidar.street);
+  if ((arguments.size || arguments.furnished) && !is_room) {
+    return absl::InvalidArgumentError(fmt::format("{} is for a room: it needs --room-view, --fused or --lidar",
+                                                  arguments.size ? "--size" : "--furnished"));
+  }
   if (arguments.fused && arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError(
         "--depth does not go with --fused: no camera sees a whole room; use -o for its points");
+  }
+  if (arguments.rings && arguments.rgbd_output.wanted()) {
+    return absl::InvalidArgumentError("--depth does not go with --lidar, which is no camera; use -o for its points");
   }
   StagedOutput output;
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
@@ -173,7 +289,7 @@ absl::Status run(const SynthArguments& arguments) {
 }  // namespace
 
 void add_synth_command(CLI::App& app, Command& chosen) {
-  add_command(app, chosen, "synth", "Make a synthetic RGB-D scene with ground truth", help(), run);
+  add_command(app, chosen, "synth", "Make a synthetic scene with ground truth", help(), run);
 }
 
 }  // namespace segserve::segctl

@@ -18,6 +18,7 @@ class Synth(EndToEnd):
         self.assertEqual((told["width"], told["height"], told["points"]), (160, 120, 160 * 120))
         self.assertEqual(told["finite"], sum(x == x for x in pcd.read_points(scene)[0]))
         self.assertEqual((told["seed"], told["objects"]), (3, 4))
+        self.assertEqual(told["regions"], len(set(pcd.read_labels(scene)) - {0}))
         self.assertEqual(told["intrinsics"], {"fx": 131.25, "fy": 131.25, "cx": 79.5, "cy": 59.5})
         self.assertIsNone(told["depth_scale"])
         room = json.loads(self.run_well("synth", "--fused", "--points", "2000", "-o", scene, "--json", "-").stdout)
@@ -67,12 +68,62 @@ class Synth(EndToEnd):
         self.assertEqual(scenes[0], scenes[1])
         self.assertNotEqual(scenes[0], scenes[2])
 
+    def test_sensors_measure_one_scene_differently(self):
+        for kind in ((), ("--room-view",)):
+            clouds = {}
+            for sensor in ("kinect1", "stereo", "passive-stereo", "tof", "ideal"):
+                with self.subTest(kind=kind, sensor=sensor):
+                    scene = self.path("scene.pcd")
+                    told = json.loads(self.run_well("synth", *SMALL, *kind, "--sensor", sensor, "-o", scene, "--json",
+                                                    "-").stdout)
+                    self.assertEqual(told["intrinsics"]["fx"], 131.25)
+                    self.assertGreater(told["objects"], 3)
+                    clouds[sensor] = scene.read_bytes()
+            self.assertEqual(len(set(clouds.values())), 5)
+
+    def test_a_view_of_a_room_reaches_far(self):
+        scene = self.path("scene.pcd")
+        self.run_well("synth", "--room-view", *SMALL, "--sensor", "ideal", "-o", scene)
+        depths = pcd.read_points(scene)[2]
+        self.assertTrue(all(z == z for z in depths), "an ideal sensor sees the closed room at every pixel")
+        self.assertGreater(max(depths), 7)
+        self.run_well("synth", "--room-view", *SMALL, "--sensor", "ideal", "--size", "1", "-o", scene)
+        self.assertLess(max(pcd.read_points(scene)[2]), 5)
+
+    def test_hollow_things_and_more_furniture(self):
+        for plain, more in (((), ("--hollow",)), (("--fused", "--points", "20000"), ("--furnished",)),
+                            (("--room-view",), ("--furnished",)), (("--lidar", "16"), ("--furnished",))):
+            with self.subTest(flags=plain):
+                size = SMALL if plain in ((), ("--room-view",)) else ()
+                scenes = [self.synth(*plain, *size, *flags, name=f"{len(flags)}.pcd").read_bytes() for flags in ((), more)]
+                self.assertNotEqual(*scenes)
+
+    def test_a_lidar_sweep_is_seen_from_the_origin(self):
+        for flags, height in ((("--street",), 1), (("--street", "--organized"), 16), ((), 1), (("--organized",), 16)):
+            with self.subTest(flags=flags):
+                sweep = self.path("sweep.pcd")
+                told = json.loads(self.run_well("synth", "--lidar", "16", "--columns", "360", *flags, "-o", sweep,
+                                                "--json", "-").stdout)
+                self.assertEqual((told["height"], told["intrinsics"]), (height, None))
+                self.assertGreater(told["objects"], 2)
+                seen = json.loads(self.run_well("info", sweep, "--json", "-").stdout)
+                self.assertEqual(seen["view"], "world:0,0,0")
+
     def test_wrong_usage(self):
         for said, *flags in (("-o, --depth, --picture", "--seed", "2"), ("--seed: -1 is negative", "-o", "x.pcd", "--seed", "-1"),
                              ("--objects: -1 is negative", "-o", "x.pcd", "--objects", "-1"),
                              ("--rgb", "--rgb", "x.jpg"), ("must end in .png", "--depth", "x.jpg"),
                              ("must end in .jpg", "--depth", "x.png", "--rgb", "x.bmp"),
                              ("--depth", "--depth", "x.png", "--fused"),
+                             ("--sensor", "-o", "x.pcd", "--sensor", "sonar"), ("--sensor", "-o", "x.pcd", "--fused", "--sensor", "tof"),
+                             ("--furnished is for a room", "-o", "x.pcd", "--furnished"),
+                             ("--hollow", "-o", "x.pcd", "--fused", "--hollow"),
+                             ("rings is 17", "-o", "x.pcd", "--lidar", "17"),
+                             ("--street", "-o", "x.pcd", "--street"), ("--lidar", "-o", "x.pcd", "--lidar", "16", "--fused"),
+                             ("--depth does not go with --lidar", "--lidar", "16", "--depth", "x.png"),
+                             ("--size is for a room", "-o", "x.pcd", "--lidar", "16", "--street", "--size", "2"),
+                             ("--clutter", "-o", "x.pcd", "--room-view", "--clutter", "1"),
+                             ("--size is for a room", "-o", "x.pcd", "--size", "2"),
                              ("--depth-scale", "--depth", "x.png", "--depth-scale", "0"),
                              ("does not fit", "--depth", "x.png", "--depth-scale", "1e-6")):
             with self.subTest(flags=flags):

@@ -51,7 +51,7 @@ class ObjectPlacer {
   bool place_one(std::uint32_t label) {
     const bool on_top = random_.chance(options_.stacked) && !stack_tops_.empty();
     for (int model = 0; model < kModels; ++model) {
-      const HouseholdObject object = random_household_object(random_);
+      const HouseholdObject object = options_.make(random_);
       for (int i = 0; i < kTriesPerModel; ++i) {
         const auto pose = on_top ? pose_on_top(object) : pose_on_shelf(object);
         if (pose && place(object, *pose, on_top ? kStackGap : options_.gap, label)) return true;

@@ -40,6 +40,7 @@ struct Shelf {
 struct PlacementOptions {
   double gap = 0.02;   ///< Least horizontal distance between things, in meters.
   double stacked = 0;  ///< Share of the objects that are placed on others, [0, 1].
+  HouseholdObject (*make)(Random&) = random_household_object;
 };
 
 /// Places up to `count` random objects on the shelf, or on one another, so that none intersects anything, and appends

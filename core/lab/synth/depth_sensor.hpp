@@ -1,20 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <vector>
-
+#include "core/lab/synth/depth_raster.hpp"
 #include "core/math/random.hpp"
 
 namespace segserve::synth {
-
-/// A perfect depth image, row by row.
-struct DepthImage {
-  std::uint32_t width = 0, height = 0;
-  std::vector<double> depth;         ///< Along the optical axis, in meters; 0 for no surface.
-  std::vector<float> incidence;      ///< Cosine of the angle between the ray and the normal, [0, 1].
-  std::vector<std::uint32_t> label;  ///< Ground truth.
-};
 
 /// A model of a structured-light sensor (Kinect v1).
 struct DepthSensor {

@@ -19,5 +19,11 @@ Furniture random_chair(Random& random);      ///< Four thin legs, a seat and a b
 Furniture random_bookcase(Random& random);   ///< Open boards at several heights.
 Furniture random_sideboard(Random& random);  ///< A closed body with doors.
 Furniture random_armchair(Random& random);
+Furniture random_sofa(Random& random);          ///< An armchair for two or three, with a cushion for each.
+Furniture random_bed(Random& random);           ///< A frame with a headboard, a mattress and a pillow.
+Furniture random_desk(Random& random);          ///< A top on a block of drawers and a side panel.
+Furniture random_office_chair(Random& random);  ///< A seat and a back on a column and five arms.
+Furniture random_stool(Random& random);         ///< A round seat on three legs.
+Furniture random_floor_lamp(Random& random);    ///< A thin pole with a foot and a shade that is open below and above.
 
 }  // namespace segserve::synth

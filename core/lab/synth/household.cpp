@@ -218,6 +218,72 @@ HouseholdObject wooden_block(Random& random) {
   return carton(a, b, c, wooden(random), random);
 }
 
+/// A glass or a beaker.
+HouseholdObject cup(Random& random) {
+  const double r = random.uniform(0.032, 0.045), h = random.uniform(0.07, 0.13), foot = r * random.uniform(0.65, 1.0);
+  return stand({{{ShapeKind::kCup, foot, r, h, 0.003}, kUpright, random_texture(random)}}, r, h, 0);
+}
+
+HouseholdObject plate(Random& random) {
+  const double r = random.uniform(0.08, 0.13), h = random.uniform(0.018, 0.03);
+  return stand({{{ShapeKind::kCup, 0.6 * r, r, h, 0.004}, kUpright, plain(random)}}, r, h, 0);
+}
+
+/// A flap that hangs from the middle of an edge, in the direction `away` from it, and rises by `rise` meters a meter.
+Solid flap(const Vec3& edge, const Vec3& away, double rise, double length, double half_width, double thickness,
+           const Texture& texture) {
+  const Vec3 x = unit(away + Vec3{0, 0, rise}), y = cross({0, 0, 1}, away);
+  const Pose pose{x, y, cross(x, y), edge + 0.5 * length * x};
+  return {box(length / 2, half_width, thickness / 2), pose, texture};
+}
+
+/// A box without a lid; some have flaps on two or four sides.
+HouseholdObject open_box(Random& random) {
+  const double a = random.uniform(0.05, 0.12), b = a * random.uniform(0.6, 1.0), h = random.uniform(0.05, 0.13);
+  const double wall = random.uniform(0.003, 0.006);
+  const Texture outside = random_texture(random.chance(0.5) ? TextureKind::kPrint : TextureKind::kPlain, random);
+  HouseholdObject result{{}, a, b, h, 0, 0};
+  result.parts = {box_between({-a, -b, 0}, {a, b, wall}, outside),
+                  box_between({-a, -b, wall}, {-a + wall, b, h}, outside),
+                  box_between({a - wall, -b, wall}, {a, b, h}, outside),
+                  box_between({-a + wall, -b, wall}, {a - wall, -b + wall, h}, outside),
+                  box_between({-a + wall, b - wall, wall}, {a - wall, b, h}, outside)};
+  const std::uint32_t flaps = 2 * random.below(3);
+  const double length = random.uniform(0.5, 0.9) * b, thin = 0.003;
+  for (std::uint32_t i = 0; i < flaps; ++i) {
+    const double side = i % 2 == 0 ? 1 : -1, rise = random.uniform(-0.4, 0.8);
+    const bool along_x = i < 2;
+    const Vec3 away = along_x ? Vec3{side, 0, 0} : Vec3{0, side, 0};
+    const Vec3 edge = (along_x ? a - thin : b - thin) * away + Vec3{0, 0, h - thin};
+    result.parts.push_back(flap(edge, away, rise, length, 0.96 * (along_x ? b : a), thin, outside));
+    double& half = along_x ? result.half_x : result.half_y;
+    half = std::max(half, (along_x ? a : b) + length);
+    result.height = std::max(result.height, h + std::max(0.0, rise) * length + thin);
+  }
+  return result;
+}
+
+/// A cable that lies in waves, 5 to 9 mm thick.
+HouseholdObject cable(Random& random) {
+  constexpr int kRods = 36;
+  const double length = random.uniform(0.22, 0.38), width = random.uniform(0.03, 0.07),
+               r = random.uniform(0.0025, 0.0045);
+  const double waves = random.uniform(1.0, 2.5), phase = random.uniform();
+  const Texture rubber = plain(random);
+  const auto point = [&](int i) {
+    const double along = static_cast<double>(i) / kRods;
+    return Vec3{(along - 0.5) * length, width * math::sin(2 * kPi * (waves * along + phase)), r};
+  };
+  HouseholdObject result{{}, length / 2 + r, width + r, 2 * r, 0, 0};
+  for (int i = 0; i <= kRods; ++i) {
+    result.parts.push_back({{ShapeKind::kEllipsoid, r, r, r, 0}, translated(point(i)), rubber});
+    if (i == kRods) break;
+    const Vec3 rod = point(i + 1) - point(i);
+    result.parts.push_back({cylinder(r, norm(rod)), with_z_along(rod, point(i)), rubber});
+  }
+  return result;
+}
+
 }  // namespace
 
 HouseholdObject random_household_object(Random& random) {
@@ -229,6 +295,13 @@ HouseholdObject random_household_object(Random& random) {
       fruit,      flowerpot,  cone,       tape_roll,    pan,          candlestick};
   const std::uint32_t choice = random.below(kMakers.size() + 1);
   return choice < kMakers.size() ? kMakers[choice](random) : pole(random);
+}
+
+HouseholdObject random_hollow_object(Random& random) {
+  using Maker = HouseholdObject (*)(Random&);
+  static constexpr std::array<Maker, 13> kMakers{bowl,     bowl,     mug,   mug,   cup,       plate, open_box,
+                                                 open_box, open_box, cable, cable, flowerpot, pan};
+  return kMakers[random.below(kMakers.size())](random);
 }
 
 }  // namespace segserve::synth

@@ -19,4 +19,8 @@ struct HouseholdObject {
 /// books, cans, tins, bottles, mugs, bowls, balls, fruit, flowerpots, cones, tape rolls, pans, candlesticks, poles.
 HouseholdObject random_household_object(Random& random);
 
+/// A random object whose surface is concave or thin: bowls, mugs with handles, cups, plates, open boxes with and
+/// without flaps, cables, flowerpots, pans.
+HouseholdObject random_hollow_object(Random& random);
+
 }  // namespace segserve::synth

@@ -23,7 +23,14 @@ class RoomBuilder {
     for (int i = 0; i < count(1); ++i) add_table_group();
     for (int i = 0; i < count(1.6); ++i) add_at_wall(random_bookcase(random_));
     for (int i = 0; i < count(1); ++i) add_at_wall(random_sideboard(random_));
-    for (int i = 0; i < count(0.8); ++i) add_armchair();
+    for (int i = 0; i < count(0.8); ++i) add_anywhere(random_armchair(random_));
+    if (options.furnished) {
+      for (int i = 0; i < count(0.7); ++i) add_at_wall(random_bed(random_));
+      for (int i = 0; i < count(0.7); ++i) add_at_wall(random_sofa(random_));
+      for (int i = 0; i < count(0.8); ++i) add_desk();
+      for (int i = 0; i < count(0.8); ++i) add_anywhere(random_floor_lamp(random_));
+      for (int i = 0; i < count(1); ++i) add_anywhere(random_stool(random_));
+    }
     place_small_objects(static_cast<std::uint32_t>(std::floor(options.objects * rooms + 0.5)));
     for (int i = 0; i < std::max(12, count(30)); ++i) add_view();
     scene_.half_x = half_x_;
@@ -93,14 +100,13 @@ class RoomBuilder {
     return false;
   }
 
-  void add_armchair() {
-    const Furniture armchair = random_armchair(random_);
+  void add_anywhere(const Furniture& furniture) {
     const double turns = random_.uniform();
-    add_freely(armchair, turns);
+    add_freely(furniture, turns);
   }
 
-  /// Adds a piece of furniture with its back to one of the four walls.
-  void add_at_wall(const Furniture& furniture) {
+  /// Adds a piece of furniture with its back to one of the four walls. Returns false if there is no place.
+  bool add_at_wall(const Furniture& furniture) {
     constexpr double kBehind = 0.012;
     for (int i = 0; i < 40; ++i) {
       const std::uint32_t wall = random_.below(4);
@@ -111,8 +117,21 @@ class RoomBuilder {
                           : wall == 1 ? Vec3{away, place, 0}
                           : wall == 2 ? Vec3{place, away, 0}
                                       : Vec3{-away, place, 0};
-      if (add(furniture, rotated(wall / 4.0, origin), 0.03)) return;
+      if (add(furniture, rotated(wall / 4.0, origin), 0.03)) return true;
     }
+    return false;
+  }
+
+  /// Adds a desk at a wall and an office chair in front of it.
+  void add_desk() {
+    const Furniture desk = random_desk(random_);
+    const Furniture chair = random_office_chair(random_);
+    const double along = random_.uniform(-0.3, 0.1), out = random_.uniform(0.03, 0.25),
+                 askew = random_.uniform(-0.1, 0.1);
+    if (!add_at_wall(desk)) return;
+    const Arrangement::Footprint box = floor_plan_.occupied().back();
+    const Pose pose = rotated(box.turns, {box.x, box.y, 0});
+    add(chair, pose * rotated(0.5 + askew, {along, box.half_y + 0.36 + out, 0}), 0.01);
   }
 
   /// Adds a table with chairs around it, each turned a little, as people leave them.
@@ -180,5 +199,11 @@ class RoomBuilder {
 }  // namespace
 
 RoomScene arrange_room(const RoomOptions& options) { return RoomBuilder(options).take(); }
+
+void add_ceiling(RoomScene& room) {
+  const Texture paint{.kind = TextureKind::kPlain, .base = {0.9, 0.9, 0.88}};
+  room.world.push_back(
+      box_between({-room.half_x, -room.half_y, kWallHeight}, {room.half_x, room.half_y, kWallHeight + 0.1}, paint, 6));
+}
 
 }  // namespace segserve::synth

@@ -20,4 +20,7 @@ struct RoomScene {
 
 RoomScene arrange_room(const RoomOptions& options);
 
+/// Closes the room above, with label 6.
+void add_ceiling(RoomScene& room);
+
 }  // namespace segserve::synth

@@ -17,6 +17,9 @@ class Violations {
     fmt::format_to(std::back_inserter(text_), "{}{} is {}, must be in [{}, {}]", text_.empty() ? "" : "; ", name, value,
                    low, high);
   }
+  void require(bool fulfilled, std::string_view message) {
+    if (!fulfilled) fmt::format_to(std::back_inserter(text_), "{}{}", text_.empty() ? "" : "; ", message);
+  }
   absl::Status status() const { return text_.empty() ? absl::OkStatus() : absl::InvalidArgumentError(text_); }
 
  private:
@@ -37,9 +40,31 @@ absl::Status check(const SceneOptions& options) {
   return violations.status();
 }
 
+absl::Status check(const RoomViewOptions& options) {
+  Violations violations;
+  violations.require("width", options.width, 16, 4096);
+  violations.require("height", options.height, 16, 4096);
+  violations.require("size", options.size, 0.7, 10);
+  violations.require("objects", options.objects, 0, 60);
+  violations.require("noise", options.noise, 0, 10);
+  return violations.status();
+}
+
 absl::Status check(const RoomOptions& options) {
   Violations violations;
   violations.require("points", options.points, 1000, 20e6);
+  violations.require("size", options.size, 0.7, 10);
+  violations.require("objects", options.objects, 0, 60);
+  violations.require("noise", options.noise, 0, 10);
+  return violations.status();
+}
+
+absl::Status check(const LidarOptions& options) {
+  Violations violations;
+  const std::uint32_t rings = options.rings;
+  violations.require(rings == 16 || rings == 32 || rings == 64 || rings == 128,
+                     fmt::format("rings is {}, must be 16, 32, 64 or 128", rings));
+  violations.require("columns", options.columns, 64, 8192);
   violations.require("size", options.size, 0.7, 10);
   violations.require("objects", options.objects, 0, 60);
   violations.require("noise", options.noise, 0, 10);

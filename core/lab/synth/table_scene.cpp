@@ -94,7 +94,8 @@ TableScene arrange_table(const SceneOptions& options) {
   const double crowd = std::sqrt(std::max(1U, options.objects) / 8.0);
   const double spread = std::min(1.0, crowd * (1 - 0.45 * options.clutter));
   const Shelf shelf{translated({0, 0, 0}), 0.42 * spread + 0.03, 0.34 * spread + 0.03};
-  const PlacementOptions placement{0.004 + 0.05 * (1 - options.clutter), options.stacked};
+  const PlacementOptions placement{0.004 + 0.05 * (1 - options.clutter), options.stacked,
+                                   options.hollow ? random_hollow_object : random_household_object};
   Arrangement arrangement;
   place_objects(options.objects, shelf, placement, 20, random, arrangement, scene.world);
 

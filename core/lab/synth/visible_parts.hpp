@@ -6,6 +6,9 @@
 
 namespace segserve::synth {
 
+/// Parts with fewer pixels are specks of the sensor.
+inline constexpr std::uint32_t kSpeckPixels = 16;
+
 /// Gives each connected visible part of an object (8 neighbors) a label of its own, as OSD does: 20, 21, 22 and so on
 /// by descending size, for at most ten parts. Parts with fewer than `smallest` pixels are specks of the sensor and keep
 /// the first label of the object. Labels below 10 stay. `label` has one entry per pixel, row by row.

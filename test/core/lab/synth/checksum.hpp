@@ -18,7 +18,7 @@ inline std::uint64_t checksum(const SyntheticScene& scene) {
     for (const float value : {scene.cloud.x[i], scene.cloud.y[i], scene.cloud.z[i]}) {
       mix_in(std::bit_cast<std::uint32_t>(value));
     }
-    mix_in(scene.cloud.rgb[i]);
+    if (scene.cloud.has_color()) mix_in(scene.cloud.rgb[i]);
     mix_in(scene.label[i]);
   }
   return hash;

@@ -100,6 +100,20 @@ TEST(FusedRoomTest, FurnitureGrowsWithTheFloor) {
   EXPECT_GT(objects(3), 4 * objects(1));
 }
 
+TEST(FusedRoomTest, MoreFurnitureHasAGoldenChecksumAndMoreObjects) {
+  const auto objects = [](const SyntheticScene& scene) {
+    std::unordered_set<std::uint32_t> labels;
+    for (const std::uint32_t label : scene.label) {
+      if (label >= 20) labels.insert(label);
+    }
+    return labels.size();
+  };
+  const SyntheticScene usual = make_room({.points = 50000, .size = 1.6, .objects = 0});
+  const SyntheticScene furnished = make_room({.points = 50000, .size = 1.6, .objects = 0, .furnished = true});
+  EXPECT_EQ(checksum(furnished), 9297915303639116672U);
+  EXPECT_GE(objects(furnished), objects(usual) + 6);
+}
+
 TEST(RoomOptionsTest, EveryWrongOptionIsNamed) {
   const auto status = make_fused_room({.points = 10, .size = 11, .noise = -1}).status();
   EXPECT_EQ(status.code(), absl::StatusCode::kInvalidArgument);

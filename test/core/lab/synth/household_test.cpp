@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/lab/synth/furniture.hpp"
+#include "core/lab/synth/street_things.hpp"
 
 namespace segserve::synth {
 namespace {
@@ -54,10 +55,34 @@ TEST(HouseholdTest, ObjectsHaveHouseholdSizes) {
   }
 }
 
+TEST(HouseholdTest, HollowObjectsLieWithinTheBoxTheyDeclare) {
+  Random random(7);
+  for (int i = 0; i < 400; ++i) {
+    SCOPED_TRACE(i);
+    const HouseholdObject object = random_hollow_object(random);
+    expect_within_declared_box(object, random);
+    if (HasFatalFailure()) return;
+    EXPECT_GE(std::max(2 * object.half_x, 2 * object.half_y), 0.06);
+    EXPECT_LE(std::max({2 * object.half_x, 2 * object.half_y, object.height}), 0.5);
+  }
+}
+
+TEST(StreetThingsTest, ThingsLieWithinTheBoxTheyDeclare) {
+  Random random(9);
+  for (int i = 0; i < 100; ++i) {
+    SCOPED_TRACE(i);
+    for (const auto make : {random_car, random_van, random_pedestrian}) {
+      expect_within_declared_box(make(random), random);
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
 TEST(FurnitureTest, PiecesLieWithinTheBoxTheyDeclareAndShelvesAreOnThem) {
   Random random(8);
   for (int i = 0; i < 100; ++i) {
-    for (const auto make : {random_table, random_chair, random_bookcase, random_sideboard, random_armchair}) {
+    for (const auto make : {random_table, random_chair, random_bookcase, random_sideboard, random_armchair, random_sofa,
+                            random_bed, random_desk, random_office_chair, random_stool, random_floor_lamp}) {
       const Furniture piece = make(random);
       expect_within_declared_box(piece.body, random);
       if (HasFatalFailure()) return;

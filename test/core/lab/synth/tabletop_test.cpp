@@ -96,6 +96,12 @@ TEST_P(TabletopSeedTest, AllFiniteFillsEveryPixel) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, TabletopSeedTest, testing::Range<std::uint64_t>(1, 9));
 
+TEST(TabletopTest, HollowObjectsAndOtherSensorsHaveGoldenChecksums) {
+  EXPECT_EQ(checksum(make({.seed = 4, .width = 320, .height = 240, .hollow = true})), 15698853372988935496U);
+  EXPECT_EQ(checksum(make({.seed = 5, .width = 320, .height = 240, .sensor = Sensor::kTimeOfFlight})),
+            9626996302678632390U);
+}
+
 // Without noise the table is a plane: three of its points give it, all others lie in it.
 TEST(TabletopTest, WithoutNoiseTheTableIsFlat) {
   const SyntheticScene scene = make({.objects = 0, .noise = 0, .holes = false});
