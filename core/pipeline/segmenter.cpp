@@ -81,16 +81,23 @@ absl::Status ask(const Admission& admit, const FrameContext& frame, std::size_t 
   return admit(size);
 }
 
+/// The most that choose_scale needs, which has given it back before the voxels are made.
+std::uint64_t sampling_bytes(std::uint64_t points) {
+  constexpr std::uint64_t kBytesPerPoint = 100, kMostPoints = 131'072;
+  return kBytesPerPoint * std::min(points, kMostPoints);
+}
+
 }  // namespace
 
 std::uint64_t voxelization_bytes(std::uint64_t points) {
   constexpr std::uint64_t kBytesPerVoxel = 500;
-  return 12 * points + kBytesPerVoxel * std::min<std::uint64_t>(points, 2 * VoxelAdmission::kFirst);
+  return std::max(sampling_bytes(points),
+                  12 * points + kBytesPerVoxel * std::min<std::uint64_t>(points, 2 * VoxelAdmission::kFirst));
 }
 
 std::uint64_t workspace_bytes(std::uint64_t points, std::uint64_t voxels) {
   constexpr std::uint64_t kLeast = 1 << 20;
-  return kLeast + 12 * points + 1700 * voxels;
+  return kLeast + std::max(sampling_bytes(points), 12 * points + 1700 * voxels);
 }
 
 /// The stages with their buffers, and what they make of a frame.

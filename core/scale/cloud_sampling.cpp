@@ -56,7 +56,7 @@ class SamplingEstimate {
   SamplingEstimate(const FrameContext& frame, StopCheck& check)
       : cloud_(frame.cloud), selection_(frame.options, frame.view()), check_(check) {}
 
-  CloudSampling run() {
+  CloudSampling run(double edge) {
     thin_out();
     if (points_ < kFewestPoints || thin_.size() < kFewestPoints || check_.stopped()) return {};
     CloudSampling sampling;
@@ -65,7 +65,7 @@ class SamplingEstimate {
     choose_blocks(sampling.extent);
     gather_sample();
     if (sample_.size() < kFewestPoints || check_.stopped()) return sampling;
-    sampling.connected_edge = connected_edge();
+    sampling.connected_edge = connected_edge(edge, finest_edge(sampling.extent, edge));
     if (sampling.connected_edge > 0) sampling.noise = noise(5 * sampling.connected_edge);
     return sampling;
   }
@@ -146,24 +146,38 @@ class SamplingEstimate {
 
   bool is_in_sample(const Vec3& p) const { return share_ >= 1 || is_among(hash_of(cell_at(p, block_edge_)), share_); }
 
-  double connected_edge() {
-    constexpr double kStep = 1.1892071150027210667;  // 2^(1/4)
-    constexpr double kMostPoints = 4.5;              // of a voxel, in the mean
-    constexpr double kMostLoose = 0.03;              // share of points in voxels with few neighbors
-    constexpr int kMostSteps = 48;
-    const auto is_connected = [&](double edge) {
-      const Connectivity connectivity = connectivity_at(edge);
-      return connectivity.points_of_voxel >= kMostPoints || connectivity.loose <= kMostLoose;
+  /// Tries the usual edge and its multiples by powers of 2^(1/4). A cloud for which the usual edge fits gets that, or a
+  /// finer one down to `finest`.
+  double connected_edge(double usual, double finest) {
+    constexpr double kMostPoints = 4.5;   // of a voxel, in the mean
+    constexpr double kDensePoints = 2;    // which voxels finer than the usual ones must hold
+    constexpr double kMostLoose = 0.045;  // share of points in voxels with few neighbors
+    constexpr int kMostSteps = 64;
+    const auto is_connected = [&](double edge, double points) {
+      const Connectivity c = connectivity_at(edge);
+      return c.points_of_voxel >= kMostPoints || (c.loose <= kMostLoose && c.points_of_voxel >= points);
     };
-    // Begins where a voxel would hold about a point if each block held an even square of them.
-    double edge = block_edge_ * std::sqrt(static_cast<double>(blocks_) / static_cast<double>(points_));
-    const bool down = is_connected(edge);
-    for (int step = 0; step < kMostSteps && !check_.stopped(); ++step) {
-      const double next = down ? edge / kStep : edge * kStep;
-      if (is_connected(next) != down) return down ? edge : next;
-      edge = next;
+    int n = 0;
+    if (is_connected(usual, 0)) {
+      while (n > -kMostSteps && multiple(usual, n - 1) >= finest &&
+             is_connected(multiple(usual, n - 1), kDensePoints)) {
+        --n;
+      }
+      return multiple(usual, n);
     }
-    return edge;
+    // Begins well below the edge at which a voxel would hold a point if each block held an even square of them.
+    const double even = block_edge_ * std::sqrt(static_cast<double>(blocks_) / static_cast<double>(points_));
+    while (n < kMostSteps && multiple(usual, n + 1) < 0.5 * even) ++n;
+    do ++n;
+    while (n < kMostSteps && !check_.stopped() && !is_connected(multiple(usual, n), 0));
+    return multiple(usual, n);
+  }
+
+  /// edge * 2^(n / 4)
+  static double multiple(double edge, int n) {
+    constexpr std::array<double, 4> kRoots = {1, 1.1892071150027210667, 1.4142135623730950488, 1.6817928305074290861};
+    const int octave = math::floor_to_int(0.25 * n);
+    return std::ldexp(edge * kRoots[static_cast<std::size_t>(n - 4 * octave)], octave);
   }
 
   struct Connectivity {
@@ -257,8 +271,13 @@ class SamplingEstimate {
 
 }  // namespace
 
-CloudSampling estimate_cloud_sampling(const FrameContext& frame, StopCheck& check) {
-  return SamplingEstimate(frame, check).run();
+double finest_edge(double extent, double edge) {
+  constexpr double kVoxelsOfExtent = 100, kSmallest = 0.001;
+  return std::min(edge, std::max(kSmallest, extent / kVoxelsOfExtent));
+}
+
+CloudSampling estimate_cloud_sampling(const FrameContext& frame, double edge, StopCheck& check) {
+  return SamplingEstimate(frame, check).run(edge);
 }
 
 }  // namespace segserve

@@ -8,9 +8,10 @@ namespace segserve {
 
 /// How a WORLD view samples the scene, estimated from a few compact parts of it.
 struct CloudSampling {
-  /// The smallest edge of voxels, meters, at which surfaces hold together: nearly all points lie in a voxel with at
-  /// least five occupied neighbors of 26. Where the density varies much, as in the sweep of a LiDAR, it is the edge at
-  /// which a voxel holds 4.5 points in the mean. 0 if there are too few points to tell.
+  /// The smallest edge of voxels, meters, not below the one that was asked for, at which surfaces hold together: nearly
+  /// all points lie in a voxel with at least five occupied neighbors of 26. Where the density varies much, as in the
+  /// sweep of a LiDAR, it is the edge at which a voxel holds 4.5 points in the mean. 0 if there are too few points to
+  /// tell.
   double connected_edge = 0;
   /// The standard deviation of the points, meters, about the planes that fit them within five such voxels. It is the
   /// 40th percentile, because surfaces that are not flat have larger ones. 0 if there are too few points to tell.
@@ -19,8 +20,13 @@ struct CloudSampling {
   double extent = 0;
 };
 
-/// O(N) for a look at all points, and some milliseconds for the parts. Depends neither on the order of the points nor
-/// on the CPU. Leaves off when `check` stops it.
-CloudSampling estimate_cloud_sampling(const FrameContext& frame, StopCheck& check);
+/// Looks for voxels of at least this edge, meters; 0 < edge. A smaller scene than a hundred such voxels is asked for a
+/// hundredth of its extent instead. O(N) for a look at all points, and some milliseconds for the parts. Depends neither
+/// on the order of the points nor on the CPU. Leaves off when `check` stops it.
+CloudSampling estimate_cloud_sampling(const FrameContext& frame, double edge, StopCheck& check);
+
+/// The edge, meters, that a scene of this extent (CloudSampling) is looked at with where `edge` is the usual one: a
+/// hundredth of the extent if that is less, but at least a millimeter.
+double finest_edge(double extent, double edge);
 
 }  // namespace segserve

@@ -11,8 +11,8 @@
 namespace segserve {
 namespace {
 
-/// The range of voxel_resolution in the table of options, meters.
-constexpr double kSmallestVoxel = 0.001, kLargestVoxel = 1;
+/// The largest voxel_resolution in the table of options, meters.
+constexpr double kLargestVoxel = 1;
 
 /// Makes voxels at least so large, unless the options fix them.
 void enlarge(const FrameContext& frame, double edge, ResolutionReason reason, ChosenScale& chosen) {
@@ -34,11 +34,12 @@ void choose_for_camera(const FrameContext& frame, StopCheck& check, ChosenScale&
 }
 
 void choose_for_world(const FrameContext& frame, StopCheck& check, ChosenScale& chosen) {
-  constexpr double kVoxelsOfExtent = 100, kNoise = 7;
+  constexpr double kNoise = 8;
   if (frame.options.voxel_resolution) return;
-  const CloudSampling sampling = estimate_cloud_sampling(frame, check);
-  if (const double fine = sampling.extent / kVoxelsOfExtent; fine > 0 && fine < chosen.scale.voxel) {
-    chosen.scale.voxel = std::max(fine, kSmallestVoxel);
+  const double usual = chosen.scale.voxel;
+  const CloudSampling sampling = estimate_cloud_sampling(frame, usual, check);
+  if (sampling.extent > 0 && finest_edge(sampling.extent, usual) < usual) {
+    chosen.scale.voxel = finest_edge(sampling.extent, usual);
     chosen.reason = ResolutionReason::kExtent;
   }
   enlarge(frame, sampling.connected_edge, ResolutionReason::kSpacing, chosen);

@@ -17,7 +17,7 @@ struct ChosenScale {
 /// or, in a WORLD view, a hundredth of a smaller scene, but not so fine that
 /// - their edge is less than 1.6 times the distance of neighboring points (CAMERA), or surfaces do not hold together
 ///   (WORLD, CloudSampling::connected_edge);
-/// - their edge is less than 7 times the standard deviation of the noise (WORLD). The noise of a camera grows with the
+/// - their edge is less than 8 times the standard deviation of the noise (WORLD). The noise of a camera grows with the
 ///   distance; there voxels are deeper than wide from the depth at which 3 standard deviations, or 1.25 times the step
 ///   in depth between neighboring points of surfaces at small angles, exceed their edge; and noise counts as such in
 ///   the evidence from the depth at which 2 standard deviations exceed it.

@@ -125,7 +125,8 @@ class Attacks(EndToEnd):
     def test_lone_points_are_refused_with_a_resolution_that_fits(self):
         cloud = self.path("lone.pcd")
         lone_points(cloud, 100, 0.02)
-        line = self.run_badly(1, "segment", cloud, "--server", self.server.address, "-o", self.path("out.pcd"))
+        line = self.run_badly(1, "segment", cloud, "--server", self.server.address, "-o", self.path("out.pcd"),
+                              "--voxel-resolution", "0.0075")
         self.assertRegex(line, r"more than memory_bytes = 268435456; a voxel_resolution of [0-9.]+ m would fit")
         resolution = line.split("a voxel_resolution of ")[1].split()[0]
         self.run_well("segment", cloud, "--server", self.server.address, "-o", self.path("out.pcd"), "--quiet",
@@ -189,7 +190,8 @@ class MaximumTime(EndToEnd):
     def test_a_frame_that_takes_too_long_is_told_so(self):
         cloud = self.path("lone.pcd")
         lone_points(cloud, 60, 0.02)
-        line = self.run_badly(1, "segment", cloud, "--server", self.server.address, "-o", self.path("out.pcd"))
+        line = self.run_badly(1, "segment", cloud, "--server", self.server.address, "-o", self.path("out.pcd"),
+                              "--voxel-resolution", "0.0075")
         self.assertIn("takes longer than max_frame_seconds = 0.2", line)
 
 

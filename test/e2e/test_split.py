@@ -61,7 +61,8 @@ class Split(EndToEnd):
     def test_writes_no_file_for_each_point(self):
         points = [(float(i % 110), float(i // 110), 0.0) for i in range(110 * 110)]
         self.scene.write_bytes(pcd.binary_file(points))  # as if meters were millimeters
-        line = self.run_badly(BAD_INPUT, "segment", self.scene, "--local", "--view", "world", "--split", self.parts)
+        line = self.run_badly(BAD_INPUT, "segment", self.scene, "--local", "--view", "world", "--split", self.parts,
+                              "--voxel-resolution", "0.0075")
         self.assertRegex(line, "--split writes at most 10000 files, but there are [0-9]+ segments")
         self.assertFalse(self.parts.exists())
 

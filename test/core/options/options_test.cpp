@@ -36,12 +36,12 @@ TEST(Options, TableHoldsDefaultsInRangeForEveryMethod) {
   }
 }
 
-TEST(Options, AreOnByDefaultUnlessTheyLeavePointsOut) {
+TEST(Options, AreOnByDefaultUnlessTheyLeavePointsOutOrTheCloudDecides) {
   std::vector<std::string_view> off;
   for (const OptionInfo& option : option_table()) {
     if (!default_value(option, Method::kBorder)) off.push_back(option.name);
   }
-  EXPECT_THAT(off, ElementsAre("regions", "crop_min_x", "crop_max_x", "crop_min_y", "crop_max_y", "crop_min_z",
+  EXPECT_THAT(off, ElementsAre("voxel_resolution", "seed_resolution", "regions", "crop_min_x", "crop_max_x", "crop_min_y", "crop_max_y", "crop_min_z",
                                "crop_max_z", "range_min", "range_max", "support_plane_distance"));
 }
 
@@ -59,8 +59,8 @@ TEST(Options, AreResolvedByTheMethodWhereUnset) {
   EXPECT_EQ(paper.seed_resolution, 0.05);
   EXPECT_EQ(paper.threshold, 0.15);
   const Options border = resolved({});
-  EXPECT_EQ(border.voxel_resolution, 0.0075);
-  EXPECT_EQ(border.seed_resolution, 0.03);
+  EXPECT_EQ(border.voxel_resolution, std::nullopt) << "the cloud decides";
+  EXPECT_EQ(border.seed_resolution, std::nullopt);
   EXPECT_EQ(border.color_weight, 0);
   EXPECT_EQ(border.threshold, 0.5);
   EXPECT_EQ(resolved({.regions = 3}).threshold, std::nullopt);

@@ -78,7 +78,7 @@ TEST(OddInput, PointsThatAreFarApartSayWhichResolutionFits) {
   for (int i = 0; i < 30; ++i) {
     for (int k = 0; k < 30; ++k) test::add(cloud, 0.1F * static_cast<float>(i), 0.1F * static_cast<float>(k), 0.01F, 0);
   }
-  const Segmentation scattered = *segment(cloud, {});
+  const Segmentation scattered = *segment(cloud, {.voxel_resolution = 0.0075});
   ASSERT_TRUE(scattered.fitting_resolution);
   EXPECT_GT(*scattered.fitting_resolution, 0.1);
   EXPECT_LT(*scattered.fitting_resolution, 0.5);
@@ -86,6 +86,7 @@ TEST(OddInput, PointsThatAreFarApartSayWhichResolutionFits) {
   fitting.voxel_resolution = *scattered.fitting_resolution;
   fitting.seed_resolution = 1.0;
   EXPECT_FALSE(segment(cloud, fitting)->fitting_resolution);
+  EXPECT_FALSE(segment(cloud, {})->fitting_resolution) << "the cloud chooses voxels that fit";
 }
 
 TEST(OddInput, WithoutAnyFinitePointAllLabelsAreZero) {

@@ -78,10 +78,12 @@ TEST_P(PclSupervoxels, AreNotBetterThanOursOnSyntheticFrames) {
   expect_not_worse(ours, pcl);
 }
 
-INSTANTIATE_TEST_SUITE_P(Resolutions, PclSupervoxels,
-                         testing::Values(Resolution{"paper", {.method = Method::kLambdaConvex}},
-                                         Resolution{"fine", {.method = Method::kBorder}}),
-                         [](const auto& param) { return param.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Resolutions, PclSupervoxels,
+    testing::Values(Resolution{"paper", {.method = Method::kLambdaConvex}},
+                    Resolution{"fine",
+                               {.method = Method::kBorder, .voxel_resolution = 0.0075, .seed_resolution = 0.03}}),
+    [](const auto& param) { return param.param.name; });
 
 }  // namespace
 }  // namespace segserve

@@ -17,10 +17,19 @@ namespace {
 
 bool selects(const Options& options, float x, float y, float z, const View& view = View::camera()) {
   const PointSelection selection(options, view);
-  const CellInput in{&x, &y, &z, false, 1, 1, &selection.limits()};
+  const CellInput in{.x = &x,
+                     .y = &y,
+                     .z = &z,
+                     .camera = false,
+                     .cells_per_meter = 1,
+                     .units_per_meter = 1,
+                     .elongation_depth = 0,
+                     .elongation_depth_logarithm = 0,
+                     .selection = &selection.limits()};
   std::array<std::uint64_t, 8> keys{};
   std::array<std::int32_t, 8> fixed_x{}, fixed_y{}, fixed_z{};
   voxel_kernels().find_cells(in, 1, {keys.data(), fixed_x.data(), fixed_y.data(), fixed_z.data()});
+  EXPECT_EQ(selection.selects(x, y, z), keys[0] != kNoKey) << "the kernel selects the same points";
   return keys[0] != kNoKey;
 }
 

@@ -77,11 +77,11 @@ TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
   EXPECT_EQ(metric.points(1), 21U);
 }
 
-TEST(BorderMetric, RegionsOfLittleAreaOrFewPointsAreTooSmall) {
-  const RegionGraph graph = regions({11e-4, 13e-4, 13e-4});  // They have 10, 11 and 12 points.
-  const BorderMetric by_area(graph, {}, 0, {}), by_points(graph, {}, 12, {});
-  EXPECT_TRUE(by_area.too_small(0));
-  EXPECT_FALSE(by_area.too_small(1));
+TEST(BorderMetric, RegionsOfFewVoxelsOrPointsAreTooSmall) {
+  const RegionGraph graph = regions({32, 33, 33});  // They have 10, 11 and 12 points.
+  const BorderMetric by_voxels(graph, {}, 0, {}), by_points(graph, {}, 12, {});
+  EXPECT_TRUE(by_voxels.too_small(0));
+  EXPECT_FALSE(by_voxels.too_small(1));
   EXPECT_TRUE(by_points.too_small(1));
   EXPECT_FALSE(by_points.too_small(2));
 }

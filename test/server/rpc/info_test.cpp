@@ -56,7 +56,9 @@ TEST(ServerInfo, TellsEveryMethodAndOptionOfCore) {
     ASSERT_TRUE(ours.has_value()) << method.name();
     EXPECT_EQ(wire::from_message(method.method()), ours);
     EXPECT_EQ(method.defaults().threshold(), default_threshold(*ours));
-    EXPECT_EQ(method.defaults().seed_resolution(), resolved({.method = *ours}).seed_resolution);
+    const std::optional<double> seed = resolved({.method = *ours}).seed_resolution;
+    EXPECT_EQ(method.defaults().has_seed_resolution(), seed.has_value()) << "unset where the cloud decides";
+    EXPECT_EQ(method.defaults().seed_resolution(), seed.value_or(0));
     EXPECT_EQ(method.defaults().voxel_resolution(), 0.016) << "the server's own default goes before the method's";
   }
   ASSERT_EQ(static_cast<std::size_t>(info.options_size()), option_table().size());
