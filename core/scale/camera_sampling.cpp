@@ -84,7 +84,7 @@ class Group {
   std::array<Column, kColumns * kColumns> columns_{};
 };
 
-/// Every second group of the view, like the white fields of a chessboard.
+/// Every second group of every second row of them.
 std::vector<Group> gather_groups(const FrameContext& frame, float group_edge, StopCheck& check) {
   const auto width = static_cast<std::int32_t>(2 * kWidestTangent / group_edge) + 2;
   const float scale = 1 / group_edge, middle = 0.5F * static_cast<float>(width);
@@ -100,7 +100,7 @@ std::vector<Group> gather_groups(const FrameContext& frame, float group_edge, St
     const auto limit = static_cast<float>(width);
     if (!(u >= 0 && u < limit && v >= 0 && v < limit)) return;
     const auto column = static_cast<std::int32_t>(u), row = static_cast<std::int32_t>(v);
-    if (((column ^ row) & 1) != 0) return;
+    if (((column | row) & 1) != 0) return;
     std::uint32_t& group =
         group_at[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
     if (group == 0) {

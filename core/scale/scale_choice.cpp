@@ -38,12 +38,11 @@ void choose_for_world(const FrameContext& frame, StopCheck& check, ChosenScale& 
   if (frame.options.voxel_resolution) return;
   const double usual = chosen.scale.voxel;
   const CloudSampling sampling = estimate_cloud_sampling(frame, usual, check);
-  if (sampling.extent > 0 && finest_edge(sampling.extent, usual) < usual) {
-    chosen.scale.voxel = finest_edge(sampling.extent, usual);
-    chosen.reason = ResolutionReason::kExtent;
-  }
+  if (sampling.extent > 0) chosen.scale.voxel = finest_edge(sampling.extent, usual);
   enlarge(frame, sampling.connected_edge, ResolutionReason::kSpacing, chosen);
   enlarge(frame, kNoise * sampling.noise, ResolutionReason::kNoise, chosen);
+  if (chosen.scale.voxel == usual) chosen.reason = ResolutionReason::kDense;
+  if (chosen.scale.voxel < usual) chosen.reason = ResolutionReason::kExtent;
 }
 
 }  // namespace

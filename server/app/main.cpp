@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <malloc.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -22,6 +21,7 @@
 #include "server/app/flags.hpp"
 #include "server/listener/file_descriptors.hpp"
 #include "server/listener/listener_watch.hpp"
+#include "server/memory/memory_return.hpp"
 #include "server/options/listen_address.hpp"
 #include "server/server.hpp"
 #include "server/version.hpp"
@@ -43,13 +43,6 @@ sigset_t block_stop_signals() {
   sigaddset(&signals, SIGINT);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
-}
-
-/// Makes malloc keep the buffers of clouds, which are megabytes, in the heap. By default it maps and unmaps each of
-/// them, and every page faults anew, which slows the transport down a lot.
-void tune_malloc() {
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 256 << 20);
 }
 
 /// Sends gRPC's own lines to our log as debug lines, because gRPC calls everything an error.
@@ -122,7 +115,7 @@ int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
 
 int main(int argc, char** argv) {
   const sigset_t stop_signals = block_stop_signals();
-  tune_malloc();
+  segserve::server::keep_freed_memory();
   segserve::server::raise_file_descriptor_limit();
   const auto flags = segserve::server::parse_flags(argc, argv);
   if (const int* exit_code = std::get_if<int>(&flags)) return *exit_code;

@@ -5,6 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdlib>
 #include <fstream>
 
 #include "spdlog/spdlog.h"
@@ -16,7 +18,23 @@ constexpr std::chrono::seconds kBetweenLooks{5};
 constexpr std::uint64_t kIdleLooks = 3;  // by then idle workers have given up their buffers, too
 constexpr std::uint64_t kWorthwhile = std::uint64_t{8} << 20U;
 
+constexpr int kTrimThreshold = 256 << 20;
+
 }  // namespace
+
+void keep_freed_memory() {
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, kTrimThreshold);
+}
+
+void give_back_own_memory() {
+  // malloc looks at the end of an arena when a block of this size is freed, and gives back what exceeds the threshold.
+  constexpr std::size_t kBlock = 256 << 10;
+  mallopt(M_TRIM_THRESHOLD, kBlock);
+  void* volatile block = std::malloc(kBlock);
+  std::free(block);
+  mallopt(M_TRIM_THRESHOLD, kTrimThreshold);
+}
 
 void MemoryReturn::on_tick(Time now) {
   if (now < next_look_) return;

@@ -8,6 +8,14 @@
 
 namespace segserve::server {
 
+/// Makes malloc keep the buffers of clouds, which are megabytes, in the heap. By default it maps and unmaps each of them,
+/// and every page faults anew, which slows the transport down a lot.
+void keep_freed_memory();
+
+/// Gives the memory that the calling thread has freed, and that malloc keeps for it, back to the system. malloc_trim
+/// leaves the end of each thread's arena as it is.
+void give_back_own_memory();
+
 /// Gives memory that was freed, but that malloc keeps for later, back to the system when nobody has needed it for a
 /// while. One thread at a time may use an object.
 class MemoryReturn {

@@ -77,6 +77,7 @@ SegmentationService::SegmentationService(const ServerOptions& options, const Bac
 void SegmentationService::free_buffers(std::size_t worker) {
   const absl::Status status = catch_exceptions("free the buffers of a worker", [&] {
     backends_[worker]->free_buffers();
+    give_back_own_memory();
     return absl::OkStatus();
   });
   status.IgnoreError();  // it is in the log, and the buffers stay

@@ -144,6 +144,15 @@ class Cases(EndToEnd):
             self.assertEqual(local[key], remote[key])
         return local
 
+    def test_cameras_of_few_pixels_and_coarse_depth_do_not_shatter(self):
+        for name, intrinsics, points in (("rgbd_low_resolution", "131,131,79.5,59.5", [16712, 2488]),
+                                         ("rgbd_kinect1_floor", "262.5,262.5,159.5,119.5", [52480])):
+            with self.subTest(name):
+                told = self.images_told("--depth", CASES / f"{name}.depth.png", "--intrinsics", intrinsics)
+                self.assertEqual(len(told["segment_points"]), len(points))
+                for ours, right in zip(told["segment_points"], points):
+                    self.assertAlmostEqual(ours, right, delta=0.02 * right)
+
     def test_65535_is_no_depth(self):
         told = self.images_told("--depth", CASES / "rgbd_invalid_65535.depth.png", "--intrinsics", "150,150,59.5,44.5")
         box, floor = 1081, 7775  # by voxels of 7.5 mm; those that fit 120 x 90 pixels are larger
