@@ -27,8 +27,7 @@ absl::Status fill_columns(const FrameContext& frame, const VoxelGrid& grid, Neig
   StopCheck check(frame.stop);
   check.for_each(0, count, [&](std::size_t v) {
     const Vec3& centroid = grid.centroid[v];
-    const double edge = voxel_edge(frame.scale.voxel, frame.view(), centroid) *
-                        frame.scale.elongation(centroid.z);
+    const double edge = voxel_edge(frame.scale.voxel, frame.view(), centroid) * frame.scale.elongation(centroid.z);
     n.x[v] = centroid.x, n.y[v] = centroid.y, n.z[v] = centroid.z;
     n.inverse_square_edge[v] = static_cast<float>(1 / (edge * edge));
     n.cell_x[v] = static_cast<std::int32_t>(grid.key[v] & kCellMask);

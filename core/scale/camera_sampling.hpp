@@ -22,8 +22,8 @@ struct CameraSampling {
 /// Estimates the sampling of a CAMERA view from columns of points: squares of `edge` (a tangent) in (x/z, y/z). A plane
 /// of the scene is a plane over these columns in 1/z, so that the residuals of planes over 5 x 5 columns tell the
 /// noise. Surfaces that are not flat have larger residuals. The noise therefore is the 40th percentile, in the farther
-/// half of the scene, where noise matters. Looks at a quarter of the groups of 5 x 5 columns within 64 degrees of the axis.
-/// O(N). Depends neither on the order of the points nor on the CPU. Leaves off when `check` stops it.
+/// half of the scene, where noise matters. Looks at a quarter of the groups of 5 x 5 columns within 64 degrees of the
+/// axis. O(N). Depends neither on the order of the points nor on the CPU. Leaves off when `check` stops it.
 CameraSampling estimate_camera_sampling(const FrameContext& frame, double edge, StopCheck& check);
 
 }  // namespace segserve

@@ -30,9 +30,7 @@ void read_voxels(const FrameContext& frame, const VoxelGrid& grid, const std::ve
 }
 
 /// Iterations of growth, the first one included.
-int most_iterations(const VoxelScale& scale) {
-  return static_cast<int>(1.8 * scale.seed / scale.voxel + 1e-6) - 1;
-}
+int most_iterations(const VoxelScale& scale) { return static_cast<int>(1.8 * scale.seed / scale.voxel + 1e-6) - 1; }
 
 void number_supervoxels(StopCheck& check, GrowthState& state, Supervoxels& supervoxels) {
   supervoxels.count = 0;

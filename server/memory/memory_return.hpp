@@ -8,8 +8,8 @@
 
 namespace segserve::server {
 
-/// Makes malloc keep the buffers of clouds, which are megabytes, in the heap. By default it maps and unmaps each of them,
-/// and every page faults anew, which slows the transport down a lot.
+/// Makes malloc keep the buffers of clouds, which are megabytes, in the heap. By default it maps and unmaps each of
+/// them, and every page faults anew, which slows the transport down a lot.
 void keep_freed_memory();
 
 /// Gives the memory that the calling thread has freed, and that malloc keeps for it, back to the system. malloc_trim

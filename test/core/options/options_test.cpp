@@ -41,8 +41,9 @@ TEST(Options, AreOnByDefaultUnlessTheyLeavePointsOutOrTheCloudDecides) {
   for (const OptionInfo& option : option_table()) {
     if (!default_value(option, Method::kBorder)) off.push_back(option.name);
   }
-  EXPECT_THAT(off, ElementsAre("voxel_resolution", "seed_resolution", "regions", "crop_min_x", "crop_max_x", "crop_min_y", "crop_max_y", "crop_min_z",
-                               "crop_max_z", "range_min", "range_max", "support_plane_distance"));
+  EXPECT_THAT(
+      off, ElementsAre("voxel_resolution", "seed_resolution", "regions", "crop_min_x", "crop_max_x", "crop_min_y",
+                       "crop_max_y", "crop_min_z", "crop_max_z", "range_min", "range_max", "support_plane_distance"));
 }
 
 TEST(Options, TableWritesWhatItReads) {
