@@ -54,7 +54,7 @@ void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag
                            ->group("Segmentation");
   // "auto" is what is meant without the flag.
   if (!chosen_by_cloud(option)) return;
-  added->type_name("NUMBER|auto")->transform([](std::string text) {
+  added->type_name("NUMBER|auto")->transform([](const std::string& text) {
     return text == "auto" ? std::string(kAuto) : text;
   });
 }

@@ -15,7 +15,7 @@
 namespace segserve {
 namespace {
 
-constexpr int kColumns = 5;                 // a group has so many columns in each direction
+constexpr std::size_t kColumns = 5;         // a group has so many columns in each direction
 constexpr float kWidestTangent = 2.05F;     // of 64 degrees
 constexpr std::size_t kFewestGroups = 16;   // fewer tell nothing
 constexpr std::size_t kFewestColumns = 15;  // of a group, for a plane
@@ -32,8 +32,9 @@ class Group {
   static constexpr float kNearest = 0.02F;               // meters; keeps the sums within 64 bits
 
   void add(float u, float v, float inverse_depth) {
-    Column& column =
-        columns_[static_cast<std::size_t>(static_cast<int>(v * kColumns) * kColumns + static_cast<int>(u * kColumns))];
+    constexpr auto kWidth = static_cast<float>(kColumns);
+    const auto row = static_cast<std::size_t>(v * kWidth), place = static_cast<std::size_t>(u * kWidth);
+    Column& column = columns_[row * kColumns + place];
     column.points += 1;
     column.u += static_cast<std::int64_t>(u * kPositionScale);
     column.v += static_cast<std::int64_t>(v * kPositionScale);
@@ -114,6 +115,7 @@ std::vector<Group> gather_groups(const FrameContext& frame, float group_edge, St
 
 double pitch_of(const std::vector<Group>& groups, double group_edge) {
   std::vector<double> points;
+  points.reserve(groups.size());
   for (const Group& group : groups) points.push_back(static_cast<double>(group.points()));
   // Groups at the edge of a surface are not full.
   const double full = quantile(points, 0.75);
@@ -145,7 +147,7 @@ void measure_depths(const std::vector<Group>& groups, double group_edge, CameraS
 }  // namespace
 
 CameraSampling estimate_camera_sampling(const FrameContext& frame, double edge, StopCheck& check) {
-  const double group_edge = kColumns * edge;
+  const double group_edge = static_cast<double>(kColumns) * edge;
   const std::vector<Group> groups = gather_groups(frame, static_cast<float>(group_edge), check);
   if (groups.size() < kFewestGroups || check.stopped()) return {};
   CameraSampling sampling;

@@ -28,7 +28,7 @@ struct Cell {
   std::int32_t x, y, z;
   bool operator==(const Cell&) const = default;
   template <typename H>
-  friend H AbslHashValue(H h, const Cell& c) {
+  friend H AbslHashValue(H h, const Cell& c) {  // NOLINT(readability-identifier-naming): Abseil looks for it
     return H::combine(std::move(h), c.x, c.y, c.z);
   }
 };
@@ -94,6 +94,7 @@ class SamplingEstimate {
     Vec3 size;
     for (double Vec3::*axis : {&Vec3::x, &Vec3::y, &Vec3::z}) {
       std::vector<double> values;
+      values.reserve(thin_.size());
       for (const Vec3& p : thin_) values.push_back(p.*axis);
       size.*axis = quantile(values, 0.95) - quantile(values, 0.05);
     }
