@@ -120,7 +120,7 @@ std::vector<Timing> stage_timings(const client::Result& result) {
 }
 
 std::string resolution_text(const Resolution& resolution) {
-  const std::string voxels = fmt::format("voxels of {:.3g} mm", 1000 * resolution.voxel);
+  std::string voxels = fmt::format("voxels of {:.3g} mm", 1000 * resolution.voxel);
   switch (resolution.reason) {
     case ResolutionReason::kGiven:
       return voxels;
