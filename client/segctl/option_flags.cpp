@@ -2,6 +2,7 @@
 #include "client/segctl/option_flags.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "fmt/format.h"
@@ -15,8 +16,8 @@ std::string flag_name(std::string_view option) {
   return name;
 }
 
-constexpr std::string_view kAuto = "-1";  ///< which no option that the cloud may choose can take
-constexpr double kAutoValue = -1;
+/// "auto" for the parser of numbers. No option takes it as a number.
+constexpr const char* kAuto = "nan";
 
 /// Whether the default method lets the cloud choose the value of an option that is unset.
 bool chosen_by_cloud(const OptionInfo& option) {
@@ -55,7 +56,8 @@ void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag
   // "auto" is what is meant without the flag.
   if (!chosen_by_cloud(option)) return;
   added->type_name("NUMBER|auto")->transform([](const std::string& text) {
-    return text == "auto" ? std::string(kAuto) : text;
+    if (text == "auto") return std::string(kAuto);
+    return text == kAuto ? std::string("no number") : text;
   });
 }
 
@@ -88,7 +90,7 @@ absl::StatusOr<Options> OptionFlags::options() const {
     }
   }
   for (const Flag& flag : flags_) {
-    if (!flag.value || (chosen_by_cloud(*flag.option) && *flag.value == kAutoValue)) continue;
+    if (!flag.value || (chosen_by_cloud(*flag.option) && std::isnan(*flag.value))) continue;
     if (auto fault = violation(*flag.option, *flag.value)) {
       faults.push_back(*std::move(fault));
     } else {

@@ -213,6 +213,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   result.zero_points = w.grid.zero_points;
   result.points_beyond_grid = w.grid.points_beyond_grid;
   RETURN_IF_ERROR(judge_resolution(frame, result));
+  if (chosen.fitting_voxel > 0) result.fitting_resolution = chosen.fitting_voxel;
   timings.total = total.lap();
   return result;
 }

@@ -22,6 +22,7 @@ namespace segserve {
 namespace {
 
 constexpr std::size_t kFewestPoints = 64;  // fewer tell nothing
+constexpr double kManyPoints = 4.5;        // of a voxel, in the mean
 
 /// A cell of a cubic grid, with room for coordinates of +-2^20 cells; those beyond are cut off.
 struct Cell {
@@ -62,7 +63,7 @@ class SamplingEstimate {
     CloudSampling sampling;
     sampling.extent = extent();
     if (sampling.extent <= 0) return {};
-    choose_blocks(sampling.extent);
+    choose_blocks(sampling.extent, edge);
     gather_sample();
     if (sample_.size() < kFewestPoints || check_.stopped()) return sampling;
     sampling.connected_edge = connected_edge(edge, finest_edge(sampling.extent, edge));
@@ -102,12 +103,13 @@ class SamplingEstimate {
   }
 
   /// Sets the edge of the blocks of which a few are looked at closely, such that each holds hundreds of points.
-  void choose_blocks(double extent) {
-    constexpr double kPointsOfBlock = 512, kThinPointsOfBlock = 4;
+  void choose_blocks(double extent, double usual) {
+    constexpr double kPointsOfBlock = 512, kThinPointsOfBlock = 4, kVoxelsOfBlock = 16;
     const auto thin = static_cast<double>(thin_.size());
     block_edge_ = 2 * extent;
     while (!check_.stopped()) {
       const double edge = 0.5 * block_edge_;
+      if (edge < kVoxelsOfBlock * usual && extent > usual) break;
       const std::size_t blocks = count_blocks(edge);
       const auto count = static_cast<double>(blocks);
       if (static_cast<double>(points_) < kPointsOfBlock * count || thin < kThinPointsOfBlock * count) break;
@@ -150,13 +152,16 @@ class SamplingEstimate {
   /// Tries the usual edge and its multiples by powers of 2^(1/4). A cloud for which the usual edge fits gets that, or a
   /// finer one down to `finest`.
   double connected_edge(double usual, double finest) {
-    constexpr double kMostPoints = 4.5;   // of a voxel, in the mean
-    constexpr double kDensePoints = 2;    // which voxels finer than the usual ones must hold
+    constexpr double kDensePoints = 2;    // which voxels finer than the usual ones must hold, in the mean
     constexpr double kMostLoose = 0.045;  // share of points in voxels with few neighbors
+    constexpr double kMostTorn = 0.12;    // share of points in voxels beside a gap
+    // Where the density varies much, as in the sweep of a LiDAR, the sparse parts do not decide alone.
+    constexpr double kMostLooseOfMany = 0.3;
     constexpr int kMostSteps = 64;
     const auto is_connected = [&](double edge, double points) {
       const Connectivity c = connectivity_at(edge);
-      return c.points_of_voxel >= kMostPoints || (c.loose <= kMostLoose && c.points_of_voxel >= points);
+      return (c.loose <= kMostLoose && c.torn <= kMostTorn && c.points_of_voxel >= points) ||
+             (c.loose <= kMostLooseOfMany && c.points_of_voxel >= kManyPoints);
     };
     int n = 0;
     if (is_connected(usual, 0)) {
@@ -182,45 +187,83 @@ class SamplingEstimate {
   }
 
   struct Connectivity {
-    double points_of_voxel = 0, loose = 1;
+    double points_of_voxel = 0, loose = 1, torn = 1;
   };
 
+  using Voxels = absl::flat_hash_map<Cell, std::uint32_t>;
+
   Connectivity connectivity_at(double edge) {
-    constexpr double kQueries = 2048;
-    constexpr int kFewNeighbors = 5;
-    absl::flat_hash_map<Cell, std::uint32_t> voxels;
+    constexpr double kQueries = 1024;
+    Voxels voxels;
     check_.for_each(0, sample_.size(), [&](std::size_t i) { ++voxels[cell_at(sample_[i], edge)]; });
     const double share = kQueries / static_cast<double>(voxels.size());
-    std::uint64_t points = 0, loose = 0;
+    std::uint64_t points = 0, loose = 0, torn = 0;
     for (const auto& [cell, count] : voxels) {
       if (check_.after(1) || !is_among(hash_of(cell), share)) continue;
-      int neighbors = 0;
-      if (!count_neighbors(voxels, cell, edge, neighbors)) continue;
+      const Surroundings around = surroundings_of(voxels, cell, edge);
+      if (around == Surroundings::kUnknown) continue;
       points += count;
-      if (neighbors < kFewNeighbors) loose += count;
+      if (around == Surroundings::kLoose) loose += count;
+      if (around == Surroundings::kTorn) torn += count;
     }
+    // Voxels as large as the blocks of the sample hold many points.
     const double mean = static_cast<double>(sample_.size()) / static_cast<double>(voxels.size());
-    return {mean, points == 0 ? 1 : static_cast<double>(loose) / static_cast<double>(points)};
+    if (points == 0) return mean >= kManyPoints ? Connectivity{mean, 0, 0} : Connectivity{mean, 1, 1};
+    const auto share_of_points = [points](std::uint64_t part) {
+      return static_cast<double>(part) / static_cast<double>(points);
+    };
+    return {mean, share_of_points(loose), share_of_points(torn)};
   }
 
-  /// Counts the occupied neighbors of a cell. Returns false if the sample does not know all of them.
-  bool count_neighbors(const absl::flat_hash_map<Cell, std::uint32_t>& voxels, const Cell& cell, double edge,
-                       int& neighbors) {
+  enum class Surroundings : std::uint8_t {
+    kUnknown,  // the sample does not hold all neighbors
+    kLoose,    // there are few neighbors
+    kTorn,  // there is a gap of one empty layer, as beside voxels that are a little finer than a regular grid of points
+    kClosed,
+  };
+
+  Surroundings surroundings_of(const Voxels& voxels, const Cell& cell, double edge) {
+    constexpr int kFewNeighbors = 5;
+    int neighbors = 0;
+    std::array<bool, 6> beside{};  // whether there is a neighbor on the side of -x, +x, -y, +y, -z, +z
     for (int dz = -1; dz <= 1; ++dz) {
       for (int dy = -1; dy <= 1; ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
-          if (check_.after(1)) return false;
           const Cell other{cell.x + dx, cell.y + dy, cell.z + dz};
-          if (other == cell) continue;
+          if (check_.after(1) || other == cell) continue;
           if (voxels.contains(other)) {
             ++neighbors;
+            const std::array<int, 3> d{dx, dy, dz};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+              if (d[axis] != 0) beside[2 * axis + static_cast<std::size_t>(d[axis] > 0)] = true;
+            }
           } else if (!is_in_sample({(other.x + 0.5) * edge, (other.y + 0.5) * edge, (other.z + 0.5) * edge})) {
-            return false;
+            return Surroundings::kUnknown;
           }
         }
       }
     }
-    return true;
+    if (neighbors < kFewNeighbors) return Surroundings::kLoose;
+    for (std::size_t side = 0; side < beside.size(); ++side) {
+      if (!beside[side] && is_beyond_gap(voxels, cell, side)) return Surroundings::kTorn;
+    }
+    return Surroundings::kClosed;
+  }
+
+  /// Whether a voxel is straight across the empty layer on this side.
+  bool is_beyond_gap(const Voxels& voxels, const Cell& cell, std::size_t side) {
+    const int step = side % 2 == 0 ? -2 : 2;
+    for (int a = -1; a <= 1; ++a) {
+      for (int b = -1; b <= 1; ++b) {
+        if (check_.after(1)) return false;
+        Cell other = cell;
+        (side < 2 ? other.x : side < 4 ? other.y : other.z) += step;
+        (side < 2 ? other.y : other.x) += a;
+        (side < 4 ? other.z : other.y) += b;
+        if (voxels.contains(other)) return true;
+      }
+    }
+    return false;
   }
 
   double noise(double edge) {

@@ -18,6 +18,7 @@ constexpr double kLargestVoxel = 1;
 void enlarge(const FrameContext& frame, double edge, ResolutionReason reason, ChosenScale& chosen) {
   if (frame.options.voxel_resolution || edge <= chosen.scale.voxel) return;
   chosen.scale.voxel = std::min(edge, kLargestVoxel);
+  if (edge > kLargestVoxel) chosen.fitting_voxel = edge;
   chosen.reason = reason;
 }
 
@@ -59,6 +60,7 @@ absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame) {
   }
   VoxelScale& scale = chosen.scale;
   if (frame.options.seed_resolution) {
+    if (scale.seed < scale.voxel) chosen.reason = ResolutionReason::kGiven;
     scale.voxel = std::min(scale.voxel, scale.seed);
   } else {
     scale.seed = VoxelScale::kSeedsPerVoxel * scale.voxel;

@@ -11,6 +11,7 @@ namespace segserve {
 struct ChosenScale {
   VoxelScale scale;
   ResolutionReason reason = ResolutionReason::kGiven;
+  double fitting_voxel = 0;  ///< the edge that would fit, meters, if that is larger than voxels can be; else 0
 };
 
 /// Lets the cloud choose what the options of the border method leave to it: voxels are as fine as the requested scale

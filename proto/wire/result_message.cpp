@@ -61,11 +61,16 @@ std::optional<codec::Placement> read_placement(const v1::Placement& message) {
 std::string too_sparse(const Segmentation& segmentation, const Resolution& used) {
   constexpr double kLargest = 1;  // meters; larger voxels cannot be asked for
   const double fitting = *segmentation.fitting_resolution;
+  if (fitting > kLargest) {
+    return fmt::format(
+        "the points are too far apart even for the largest voxels, of {:g} m: the unit of the coordinates (--unit) is "
+        "probably wrong",
+        kLargest);
+  }
   std::string text = fmt::format(
       "nearly every voxel holds a single point ({} points, {} voxels): the unit of the "
       "coordinates (--unit) or voxel_resolution ({:g} m) is probably wrong; ",
       segmentation.segmented_points, segmentation.voxels, used.voxel);
-  if (fitting > kLargest) return text + "even at 1 m the points would be too far apart";
   return text + fmt::format("at {:g} m a voxel would hold four points or more, with a seed_resolution of {:g} m",
                             fitting, fitting * used.seed / used.voxel);
 }

@@ -153,6 +153,12 @@ class Cases(EndToEnd):
                 for ours, right in zip(told["segment_points"], points):
                     self.assertAlmostEqual(ours, right, delta=0.02 * right)
 
+    def test_a_resolution_is_a_number_or_auto(self):
+        for wrong in ("-1", "nan", "Auto", "0"):
+            self.run_badly(2, "segment", CASES / "pcd_bom.pcd", "--local", "-o", self.path("o.pcd"), "--voxel-resolution", wrong)
+        told = self.tell("pcd_bom.pcd", "--voxel-resolution", "auto", "--seed-resolution", "auto")
+        self.assertEqual(told["segment_points"], [388, 189])
+
     def test_65535_is_no_depth(self):
         told = self.images_told("--depth", CASES / "rgbd_invalid_65535.depth.png", "--intrinsics", "150,150,59.5,44.5")
         box, floor = 1081, 7775  # by voxels of 7.5 mm; those that fit 120 x 90 pixels are larger

@@ -50,8 +50,8 @@ struct Segmentation {
   std::size_t segmented_points = 0;           ///< points with a label other than 0
   std::optional<SupportPlane> support_plane;  ///< set if the options ask for its removal
   std::size_t voxels = 0;                     ///< voxels that were segmented
-  /// If nearly every voxel holds a single point and has no neighbors to grow with, a voxel_resolution, meters, at which
-  /// a voxel would hold about four. The resolution, or the unit of the coordinates, is then probably wrong.
+  /// Set if nearly every voxel holds a single point, or if even voxels of 1 m are too fine for the cloud: an edge of
+  /// voxels, meters, that would fit. The resolution, or the unit of the coordinates, is then probably wrong.
   std::optional<double> fitting_resolution;
   Resolution resolution;            ///< of voxels and supervoxels, and why
   std::optional<double> threshold;  ///< of the cut; unset if the options ask for a number of regions

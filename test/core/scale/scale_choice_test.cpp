@@ -173,6 +173,30 @@ TEST(ScaleChoice, FollowsTheDataWhereTheyDoNot) {
   EXPECT_EQ(tiny.reason, ResolutionReason::kExtent);
 }
 
+TEST(ScaleChoice, IsNotDeceivedByPointsAtTheSamePlace) {
+  const Cloud once = sheet(120, 0.05);
+  Cloud stacked = once;
+  for (int copy = 0; copy < 5; ++copy) {
+    for (std::size_t i = 0; i < once.size(); ++i) test::add(stacked, once.x[i], once.y[i], once.z[i], 0);
+  }
+  EXPECT_GT(chosen(stacked).scale.voxel, 0.04);
+}
+
+TEST(ScaleChoice, DoesNotCutRegularGridsIntoTiles) {
+  for (const float pitch : {0.05F, 0.0505F, 0.1F, 0.25F}) {
+    Cloud grid = test::unorganized(View::world());
+    for (int i = 0; i < 120; ++i) {
+      for (int k = 0; k < 120; ++k) test::add(grid, pitch * static_cast<float>(i), pitch * static_cast<float>(k), 0, 0);
+    }
+    EXPECT_EQ(segment(grid, {})->segments, 1U) << pitch;
+  }
+}
+
+TEST(ScaleChoice, SaysSoWhereTheLargestVoxelsAreTooSmall) {
+  EXPECT_GT(segment(sheet(100, 7), {})->fitting_resolution.value_or(0), 1);
+  EXPECT_EQ(segment(sheet(100, 0.05), {})->fitting_resolution, std::nullopt);
+}
+
 TEST(ScaleChoice, NumbersFixIt) {
   const Cloud cloud = sheet(150, 0.05);
   const ChosenScale both = chosen(cloud, {.voxel_resolution = 0.01, .seed_resolution = 0.03});
