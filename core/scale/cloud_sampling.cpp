@@ -22,7 +22,9 @@ namespace segserve {
 namespace {
 
 constexpr std::size_t kFewestPoints = 64;  // fewer tell nothing
-constexpr double kManyPoints = 4.5;        // of a voxel, in the mean
+/// So many different places of points in a voxel, in the mean, are enough, even if voxels have few neighbors: the sweep
+/// of a LiDAR has sparse parts, which do not decide alone, and small objects are all border.
+constexpr double kManyPlaces = 4.5;
 
 /// A cell of a cubic grid, with room for coordinates of +-2^20 cells; those beyond are cut off.
 struct Cell {
@@ -155,13 +157,11 @@ class SamplingEstimate {
     constexpr double kDensePoints = 2;    // which voxels finer than the usual ones must hold, in the mean
     constexpr double kMostLoose = 0.045;  // share of points in voxels with few neighbors
     constexpr double kMostTorn = 0.12;    // share of points in voxels beside a gap
-    // Where the density varies much, as in the sweep of a LiDAR, the sparse parts do not decide alone.
-    constexpr double kMostLooseOfMany = 0.3;
     constexpr int kMostSteps = 64;
     const auto is_connected = [&](double edge, double points) {
       const Connectivity c = connectivity_at(edge);
-      return (c.loose <= kMostLoose && c.torn <= kMostTorn && c.points_of_voxel >= points) ||
-             (c.loose <= kMostLooseOfMany && c.points_of_voxel >= kManyPoints);
+      return c.places_of_voxel >= kManyPlaces ||
+             (c.loose <= kMostLoose && c.torn <= kMostTorn && c.points_of_voxel >= points);
     };
     int n = 0;
     if (is_connected(usual, 0)) {
@@ -187,7 +187,7 @@ class SamplingEstimate {
   }
 
   struct Connectivity {
-    double points_of_voxel = 0, loose = 1, torn = 1;
+    double points_of_voxel = 0, places_of_voxel = 0, loose = 1, torn = 1;
   };
 
   using Voxels = absl::flat_hash_map<Cell, std::uint32_t>;
@@ -206,13 +206,20 @@ class SamplingEstimate {
       if (around == Surroundings::kLoose) loose += count;
       if (around == Surroundings::kTorn) torn += count;
     }
-    // Voxels as large as the blocks of the sample hold many points.
     const double mean = static_cast<double>(sample_.size()) / static_cast<double>(voxels.size());
-    if (points == 0) return mean >= kManyPoints ? Connectivity{mean, 0, 0} : Connectivity{mean, 1, 1};
+    const double places = mean_of_places(edge, voxels.size());
+    if (points == 0) return {mean, places, 1, 1};  // voxels as large as the blocks of the sample
     const auto share_of_points = [points](std::uint64_t part) {
       return static_cast<double>(part) / static_cast<double>(points);
     };
-    return {mean, share_of_points(loose), share_of_points(torn)};
+    return {mean, places, share_of_points(loose), share_of_points(torn)};
+  }
+
+  /// The number of different places, cells of a 32nd of the edge, that a voxel holds in the mean.
+  double mean_of_places(double edge, std::size_t voxels) {
+    absl::flat_hash_set<Cell> places;
+    check_.for_each(0, sample_.size(), [&](std::size_t i) { places.insert(cell_at(sample_[i], edge / 32)); });
+    return static_cast<double>(places.size()) / static_cast<double>(voxels);
   }
 
   enum class Surroundings : std::uint8_t {

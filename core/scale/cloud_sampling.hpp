@@ -10,8 +10,8 @@ namespace segserve {
 struct CloudSampling {
   /// The smallest edge of voxels, meters, not below the one that was asked for, at which surfaces hold together: 95 %
   /// of the points lie in voxels with at least five occupied neighbors of 26, and 88 % in voxels without a gap of one
-  /// empty layer beside them. Where the density varies much, as in the sweep of a LiDAR, 70 % with five neighbors
-  /// suffice if a voxel holds 4.5 points in the mean. 0 if there are too few points to tell.
+  /// empty layer beside them. It also is
+  /// enough if a voxel holds points at 4.5 different places in the mean. 0 if there are too few points to tell.
   double connected_edge = 0;
   /// The standard deviation of the points, meters, about the planes that fit them within five such voxels. It is the
   /// 40th percentile, because surfaces that are not flat have larger ones. 0 if there are too few points to tell.
