@@ -145,7 +145,7 @@ absl::StatusOr<Options> check_options(const EvalArguments& arguments) {
   return options;
 }
 
-/// What of the files the command line knows better.
+/// The readers take the view from the command line if it is given there.
 absl::StatusOr<codec::ReadOptions> read_options(const EvalArguments& arguments) {
   codec::ReadOptions read;
   if (!arguments.view.empty()) {

@@ -83,7 +83,7 @@ absl::Status ask(const Admission& admit, const FrameContext& frame, std::size_t 
 
 /// The most that choose_scale needs, which has given it back before the voxels are made.
 std::uint64_t sampling_bytes(std::uint64_t points) {
-  constexpr std::uint64_t kBytesPerPoint = 100, kMostPoints = 131'072;
+  constexpr std::uint64_t kBytesPerPoint = 120, kMostPoints = 131'072;
   return kBytesPerPoint * std::min(points, kMostPoints);
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -26,7 +27,7 @@ constexpr std::size_t kFewestPoints = 64;  // fewer tell nothing
 /// of a LiDAR has sparse parts, which do not decide alone, and small objects are all border.
 constexpr double kManyPlaces = 4.5;
 
-/// A cell of a cubic grid, with room for coordinates of +-2^20 cells; those beyond are cut off.
+/// A cell of a cubic grid. Coordinates end at 10^9 cells from the origin.
 struct Cell {
   std::int32_t x, y, z;
   bool operator==(const Cell&) const = default;

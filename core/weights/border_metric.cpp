@@ -15,7 +15,7 @@ namespace {
 
 static_assert(RegionMetric<BorderMetric>);
 
-/// What supervoxels at depth z, meters, may differ by and still be one surface.
+/// The tolerance for supervoxels at depth z, meters.
 SurfaceTolerance tolerance_at(const VoxelScale& scale, const BorderConstants& constants, double z) {
   constexpr double kHighestStep = 0.1, kFlat = 10;  // of a voxel; degrees
   const double unit = scale.in_proportion ? z : 1, noise = scale.excess_noise(z);

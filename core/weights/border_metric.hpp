@@ -40,7 +40,7 @@ absl::Status find_border_evidence(const FrameContext& frame, const RegionGraph& 
                                   const std::vector<Border>& borders, const BorderConstants& constants,
                                   std::vector<BorderEvidence>& evidence);
 
-/// What is_cut allows two supervoxels of one surface.
+/// By how much two supervoxels may differ and still be one surface (is_cut).
 struct SurfaceTolerance {
   double step = 0;    ///< the highest step between them, meters
   double seed = 0;    ///< the distance of seeds, meters; the step may be higher where the surface folds within it

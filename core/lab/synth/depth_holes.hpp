@@ -6,7 +6,7 @@
 #include "core/lab/synth/depth_raster.hpp"
 #include "core/math/random.hpp"
 
-/// What a depth sensor cannot measure. All of these set the depths of pixels to 0.
+/// Holes in depth images: each function sets the depths of pixels that a sensor cannot measure to 0.
 namespace segserve::synth {
 
 /// Removes the pixels that the camera sees and its partner on the right (a projector or a second camera) does not. Each

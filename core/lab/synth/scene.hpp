@@ -14,7 +14,7 @@
 /// compiler: there is no libm function but sqrt, and no distribution of <random>.
 namespace segserve::synth {
 
-/// What measures the depths of a camera's frame.
+/// The kind of sensor that measures the depths of a camera's frame.
 enum class Sensor : std::uint8_t {
   kKinect1,        ///< Structured light: disparity steps of z^2 / 315 m, frayed borders, shadows of the projector.
   kStereo,         ///< Two cameras and a projector of texture: waves that grow with z^2, thickened edges, holes.

@@ -15,7 +15,7 @@ struct SpinningLidar {
   std::uint32_t columns = 1800;  ///< Directions a turn.
   double noise = 1;              ///< Factor on the noise of ranges; 0: none, and no ray is lost.
 
-  /// What a hit adds to the range that the sensor measures, in meters. It is called for each hit in order.
+  /// Gives the meters that a hit adds to the range that the sensor measures. It is called for each hit in order.
   using Relief = std::function<double(std::uint32_t solid, const Vec3& point, double range)>;
 
   /// One turn around z at `position`. Points are relative to it, without colors, one row for each ring, the uppermost

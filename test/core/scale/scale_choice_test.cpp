@@ -22,7 +22,7 @@
 namespace segserve {
 namespace {
 
-/// What a camera with this many columns sees of the plane z = 1.5 m + slope x, with noise in 1/z.
+/// The frame of a camera with this many columns that looks at the plane z = 1.5 m + slope x, with noise in 1/z.
 Cloud camera_frame(int width, double slope = 0, double noise = 0) {
   Cloud cloud = test::unorganized(View::camera());
   Random random(7);
