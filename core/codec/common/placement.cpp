@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "segserve/codec/labeled_cloud.hpp"
 
@@ -16,6 +18,16 @@ Eigen::Vector3d signs_of(const Placement& placement) { return placement.scale / 
 
 /// Where the cloud's origin is, in meters along the axes of the file.
 Eigen::Vector3d origin_in_meters(const Placement& placement) { return placement.offset * placement.meters_per_unit(); }
+
+/// The view with the sensor, or all cameras, at other places; they are moved in double.
+template <typename Move>
+View with_moved_sensors(View view, Move&& move) {
+  if (view.sensor) view.sensor = move(view.sensor->cast<double>()).template cast<float>();
+  for (CameraPoints& camera : view.cameras) {
+    camera.sensor = move(camera.sensor.cast<double>()).template cast<float>();
+  }
+  return view;
+}
 
 /// The limits of one axis of a crop box for the cloud.
 void move_limits(double origin, double sign, std::optional<double>& low, std::optional<double>& high) {
@@ -35,19 +47,15 @@ Options to_cloud(const Placement& placement, Options options) {
 }
 
 View to_cloud(const Placement& placement, View view) {
-  if (!view.sensor) return view;
-  const Eigen::Vector3d moved =
-      signs_of(placement).cwiseProduct(view.sensor->cast<double>() - origin_in_meters(placement));
-  view.sensor = moved.cast<float>();
-  return view;
+  return with_moved_sensors(std::move(view), [&](const Eigen::Vector3d& position) -> Eigen::Vector3d {
+    return signs_of(placement).cwiseProduct(position - origin_in_meters(placement));
+  });
 }
 
 View to_file(const Placement& placement, View view) {
-  if (!view.sensor) return view;
-  const Eigen::Vector3d moved =
-      signs_of(placement).cwiseProduct(view.sensor->cast<double>()) + origin_in_meters(placement);
-  view.sensor = moved.cast<float>();
-  return view;
+  return with_moved_sensors(std::move(view), [&](const Eigen::Vector3d& position) -> Eigen::Vector3d {
+    return signs_of(placement).cwiseProduct(position) + origin_in_meters(placement);
+  });
 }
 
 void to_file(const Placement& placement, SegmentStatistics& segment) {
@@ -70,13 +78,29 @@ void to_file(const Placement& placement, Segmentation& segmentation) {
   plane.offset = plane.offset / placement.meters_per_unit() + plane.normal.dot(placement.offset);
 }
 
+Prompts to_cloud(const Placement& placement, Prompts prompts) {
+  for (std::vector<Prompt>* places : {&prompts.include, &prompts.exclude}) {
+    for (Prompt& place : *places) {
+      if (auto* position = std::get_if<Eigen::Vector3d>(&place)) *position = placement.to_cloud(*position);
+    }
+  }
+  return prompts;
+}
+
+void to_file(const Placement& placement, PromptedSelection& selected) {
+  for (std::vector<PromptedPoint>* points : {&selected.include, &selected.exclude}) {
+    for (PromptedPoint& point : *points) point.distance /= placement.meters_per_unit();
+  }
+  if (selected.statistics) to_file(placement, *selected.statistics);
+}
+
 FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label) {
   FileContent content{.cloud = file.cloud, .label = label, .attributes = file.attributes};
   content.cloud.view = to_file(file.placement, file.cloud.view);
   // Everything in the file is in its unit.
-  if (auto& sensor = content.cloud.view.sensor) {
-    sensor = (sensor->cast<double>() / file.placement.meters_per_unit()).cast<float>();
-  }
+  content.cloud.view = with_moved_sensors(
+      std::move(content.cloud.view),
+      [&](const Eigen::Vector3d& position) -> Eigen::Vector3d { return position / file.placement.meters_per_unit(); });
   if (!file.file_position[0].empty()) content.position = &file.file_position;
   return content;
 }

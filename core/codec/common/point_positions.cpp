@@ -60,7 +60,7 @@ double median(const Column& column, std::size_t points, StopCheck& check) {
   return *middle;
 }
 
-/// By how much the axes are to be moved, in the file's unit: not at all unless the cloud is far away along one of them.
+/// The shift of the axes, in the file's unit; none unless the cloud is far away along one of them.
 Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, const Planes& planes, StopCheck& check) {
   bool is_candidate = false;
   for (const std::vector<float>* plane : planes) is_candidate = is_candidate || reaches_far(*plane, check);
@@ -146,6 +146,11 @@ absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence e
   if (choice.sensor) {
     const Eigen::Vector3d sensor = *choice.sensor - scale * placement.offset;
     cloud.view.sensor = sensor.cast<float>();
+  }
+  cloud.view.cameras = std::move(choice.cameras);
+  for (CameraPoints& camera : cloud.view.cameras) {
+    const Eigen::Vector3d sensor = camera.sensor.cast<double>() - scale * placement.offset;
+    camera.sensor = sensor.cast<float>();
   }
   out.view_rule = std::move(choice.rule);
   return check.status();

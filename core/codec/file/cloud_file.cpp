@@ -8,8 +8,10 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -21,6 +23,7 @@
 #include "core/codec/file/known_formats.hpp"
 #include "core/codec/las/las.hpp"
 #include "core/codec/las/las_header.hpp"
+#include "core/codec/lidar_scan/lidar_scan.hpp"
 #include "core/codec/npy/npy.hpp"
 #include "core/codec/npy/npy_header.hpp"
 #include "core/codec/obj/obj.hpp"
@@ -92,17 +95,20 @@ struct Format {
   Reader reader;
 };
 
+bool is_whole_lidar_scan(std::string_view file) { return is_lidar_scan(file, file.size()); }
+
 constexpr Format kPcd{"PCD", nullptr, decode_pcd};
 
 /// The format of a file that is not compressed. What no other format claims is PCD.
 const Format& format_of(std::string_view file) {
-  static constexpr std::array<Format, 6> kFormats{{
+  static constexpr std::array<Format, 7> kFormats{{
       {"PLY", is_ply, decode_ply},
       {"LAS", is_las, decode_las},
       {"NPY", is_npy, decode_npy},
       {"NPZ", is_npz, decode_npz},
       {"OBJ", is_obj, decode_obj},
       {"text", is_text_table, decode_text_table},
+      {"LiDAR scan", is_whole_lidar_scan, decode_lidar_scan},
   }};
   const auto* const found =
       std::ranges::find_if(kFormats, [file](const Format& format) { return format.is_own(file); });
@@ -112,8 +118,11 @@ const Format& format_of(std::string_view file) {
 absl::StatusOr<LabeledCloud> decode_plain(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                           const ReadOptions& options, const StopToken& stop) {
   const std::string_view file = as_text(bytes);
-  if (const auto advice = advice_on_format(file)) return absl::InvalidArgumentError(*advice);
   const Format& format = format_of(file);
+  // The first coordinate of a scan may begin with any bytes.
+  if (format.is_own != is_whole_lidar_scan) {
+    if (const auto advice = advice_on_format(file)) return absl::InvalidArgumentError(*advice);
+  }
   if (file.empty()) return absl::InvalidArgumentError("the file is empty");
   auto cloud = format.reader(bytes, limits, options, stop);
   if (cloud.ok()) cloud->format = format.name;
@@ -146,13 +155,17 @@ bool is_taken_as_pcd(std::span<const std::byte> bytes) {
 
 bool is_cloud_file(const std::string& path) {
   if (!has_readable_extension(path)) return false;
-  if (!has_extension(path, ".txt")) return true;
+  const bool is_scan = has_extension(path, ".bin");
+  if (!is_scan && !has_extension(path, ".txt")) return true;
   constexpr std::size_t kEnough = std::size_t{1} << 16U;
   const File file(std::fopen(path.c_str(), "rb"));
   if (!file) return true;  // Reading it tells why.
   std::string begin(kEnough, '\0');
   begin.resize(std::fread(begin.data(), 1, begin.size(), file.get()));
-  return is_text_table(begin);
+  if (!is_scan) return is_text_table(begin);
+  std::error_code error;
+  const std::uint64_t size = std::filesystem::file_size(path, error);
+  return !error && is_lidar_scan(begin, size);
 }
 
 absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options,

@@ -37,8 +37,8 @@ constexpr std::array<Extension, 10> kWritable{{
     {".gltf", FileFormat::kGltf},
 }};
 
-constexpr std::array<std::string_view, 10> kReadable{".pcd", ".ply", ".las", ".xyz", ".txt",
-                                                     ".csv", ".pts", ".obj", ".npy", ".npz"};
+constexpr std::array<std::string_view, 11> kReadable{".pcd", ".ply", ".las", ".xyz", ".txt", ".csv",
+                                                     ".pts", ".obj", ".npy", ".npz", ".bin"};
 
 const Extension* extension_of(std::string_view path) {
   const auto found = std::ranges::find_if(kWritable, [path](const Extension& e) { return has_extension(path, e.end); });

@@ -22,10 +22,12 @@ constexpr std::string_view kPdal = "pdal translate makes a LAS or PLY file of it
 constexpr std::string_view kUnpack = "unpack it first";
 constexpr std::string_view kImage = "the options --depth, --rgb and --intrinsics take images";
 constexpr std::string_view kMesh = "sample points on the mesh, or save its vertices as PLY";
+constexpr std::string_view kSave = "save its points as PLY or CSV";
+constexpr std::string_view kUtf8 = "save it as UTF-8, for example by iconv -f UTF-16 -t UTF-8";
 constexpr std::string_view kReplay = "segctl segment FILE reads one recording, but not from standard input";
 constexpr std::string_view kRecording = "take the clouds out of it, or record them as MCAP, which segctl segment reads";
 
-constexpr std::array<KnownFormat, 15> kFormats{{
+constexpr std::array<KnownFormat, 24> kFormats{{
     {"ASTM-E57"sv, "E57", kPdal},
     {"\x1f\x8b"sv, "gzip within a compressed file", kUnpack},
     {"\x28\xb5\x2f\xfd"sv, "zstd within a compressed file", kUnpack},
@@ -37,11 +39,20 @@ constexpr std::array<KnownFormat, 15> kFormats{{
     {"#ROSBAG V"sv, "a ROS bag", kReplay},
     {"SQLite format 3\0"sv, "a SQLite file, as ROS 2 records", kRecording},
     {"glTF"sv, "glTF", kMesh},
+    {"# vtk DataFile"sv, "VTK", kSave},
+    {"<?xml"sv, "XML, perhaps VTK or COLLADA", kSave},
+    {"<VTKFile"sv, "VTK", kSave},
+    {"\x89HDF\r\n"sv, "HDF5", kSave},
+    {"Kaydara FBX"sv, "FBX", kMesh},
+    {"\xff\xfe"sv, "text in UTF-16", kUtf8},
+    {"\xfe\xff"sv, "text in UTF-16", kUtf8},
     {"{"sv, "JSON, perhaps glTF", kMesh},
     {"OFF"sv, "OFF", kMesh},
     {"solid "sv, "STL", kMesh},
     {"\x89PNG\r\n"sv, "a PNG image", kImage},
     {"\xff\xd8\xff"sv, "a JPEG image", kImage},
+    {"II*\0"sv, "a TIFF image", kImage},
+    {"MM\0*"sv, "a TIFF image", kImage},
     {"DRACO"sv, "Draco", "decode it first; --codec draco sends clouds in it"},
 }};
 

@@ -12,7 +12,7 @@ namespace {
 /// Integers are at most this, so that rounding never leaves 32 bits.
 constexpr double kMostInteger = 2147483647.0;
 
-/// For floats: the power of two with which the largest magnitude just fits.
+/// Chooses the scale for floats: the power of two with which the largest magnitude just fits.
 void choose_power_of_two(LasAxis& axis) {
   constexpr int kBits = 31, kLeastExponent = -60;
   const double largest = std::max(std::abs(axis.low), std::abs(axis.high));
@@ -21,7 +21,7 @@ void choose_power_of_two(LasAxis& axis) {
   axis.scale = std::ldexp(1.0, std::max(exponent - kBits, kLeastExponent));
 }
 
-/// For doubles: the power of ten with which the distance from the middle just fits.
+/// Chooses the scale for doubles: the power of ten with which the distance from the middle just fits.
 void choose_power_of_ten(LasAxis& axis) {
   constexpr int kFinest = -9, kCoarsest = 300;
   axis.offset = std::round(axis.low / 2 + axis.high / 2);

@@ -37,7 +37,7 @@ struct LasExtra {
   bool is_scaled() const { return scale || shift; }
 };
 
-/// What the header and the variable length records of a LAS file say.
+/// The contents of the header and of the variable length records of a LAS file.
 struct LasHeader {
   unsigned point_format = 0;
   std::size_t record_bytes = 0;

@@ -17,7 +17,7 @@ namespace segserve::codec {
 
 enum class PnmKind : std::uint8_t { kGrayText, kColorText, kGray, kColor, kFloat };
 
-/// What stands before the pixels.
+/// The header, which stands before the pixels.
 struct PnmHeader {
   PnmKind kind = PnmKind::kGray;
   ImageSize size;

@@ -8,7 +8,7 @@
 
 namespace segserve::codec {
 
-/// What stands between the cells of a line of text.
+/// The separator between the cells of a line of text.
 enum class Separator : std::uint8_t {
   kSpace,  ///< spaces and tabs, any number of them
   kComma,

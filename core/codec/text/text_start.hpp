@@ -14,7 +14,7 @@
 
 namespace segserve::codec {
 
-/// What stands above the rows of a table.
+/// The part of a text above the rows of its table.
 struct TextStart {
   std::vector<std::string> names;      ///< of the columns; empty if there are none
   std::optional<std::uint64_t> count;  ///< of the rows, as PTS has it

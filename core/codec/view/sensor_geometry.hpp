@@ -6,8 +6,8 @@
 #include "core/base/stop_check.hpp"
 #include "segserve/cloud.hpp"
 
-// What the points of a cloud tell of the sensor that saw them, if it is at the origin. Points that are not finite, and
-// those at the origin, are ignored. Once the StopCheck has stopped, results mean nothing.
+// Properties of a cloud's points that hint at the sensor that saw them, if it is at the origin. Points that are not
+// finite, and those at the origin, are ignored. Once the StopCheck has stopped, results mean nothing.
 namespace segserve::codec {
 
 /// How many points lie before and behind the plane z = 0, and the box that holds them.
@@ -25,7 +25,7 @@ struct Extent {
 };
 Extent extent_of(const CloudView& cloud, StopCheck& check);
 
-/// The same as extent_of(cloud).is_behind(), but mostly found after a look at a few points.
+/// Returns the same as extent_of(cloud).is_behind(), but mostly after a look at a few points.
 bool is_behind_origin(const CloudView& cloud, StopCheck& check);
 
 enum class Agreement { kNo, kYes, kUnknown };

@@ -46,6 +46,7 @@ ViewChoice named(const CloudView& cloud, const View& view, std::string_view by, 
   if (view.kind == ViewKind::kCamera) return camera(is_behind_origin(cloud, check), fmt::format(", as {}", by));
   ViewChoice choice{.rule = fmt::format("WORLD, as {}", by)};
   if (view.sensor) choice.sensor = view.sensor->cast<double>();
+  choice.cameras = view.cameras;
   return choice;
 }
 
@@ -76,7 +77,7 @@ bool is_below(const CloudView& cloud, const Extent& e, StopCheck& check) {
   return e.low[2] >= 0 && (!e.is_in_frustum() || has_horizontal_plane(cloud, e, check));
 }
 
-/// By the position that an entry of the file has, or by the lack of one.
+/// Chooses by the position that an entry of the file has, or by the lack of one.
 ViewChoice by_entry(const CloudView& cloud, const ViewEvidence& evidence, const Extent& extent, StopCheck& check) {
   if (evidence.has_position()) return world(*evidence.position, fmt::format("its {}", evidence.entry));
   if (!evidence.has_entry) return no_sensor("the file does not tell where it is");

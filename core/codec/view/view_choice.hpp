@@ -16,8 +16,8 @@
 // points have a say.
 namespace segserve::codec {
 
-/// What a file, or its reader, says of the sensor. Positions are in meters along the axes of the file; read_positions
-/// takes those of the file in the file's unit.
+/// The statements of a file, or of its reader, about the sensor. Positions are in meters along the axes of the file;
+/// read_positions takes those of the file in the file's unit.
 struct ViewEvidence {
   std::optional<View> given = std::nullopt;   ///< by the reader of the file, who is believed
   std::optional<View> stated = std::nullopt;  ///< by the file, in the words of view_statement
@@ -36,6 +36,7 @@ struct ViewEvidence {
 struct ViewChoice {
   ViewKind kind = ViewKind::kWorld;
   std::optional<Eigen::Vector3d> sensor = std::nullopt;  ///< in meters along the axes of the file; WORLD only
+  std::vector<CameraPoints> cameras = {};                ///< View::cameras, in meters along the axes of the file
   bool y_and_z_are_reversed = false;  ///< a camera's frame with y up and z backward, as OpenGL has it
   std::string rule = {};              ///< LabeledCloud::view_rule
 };

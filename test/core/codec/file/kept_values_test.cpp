@@ -9,7 +9,7 @@
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"
 
-// What a cloud carried in goes out again with the labels beside it, in the file's coordinates.
+// Tests that the values that a cloud carried in go out with the labels beside them, in the file's coordinates.
 namespace segserve::codec {
 namespace {
 

@@ -17,7 +17,12 @@ TEST(KnownFormats, AreNamed) {
                                                                          {"\x1f\x8b\x08"sv, "gzip within"},
                                                                          {"\x89MCAP0\r\n"sv, "MCAP"},
                                                                          {"solid cube\n"sv, "STL"},
-                                                                         {"OFF\n8 6 12\n"sv, "OFF"}};
+                                                                         {"OFF\n8 6 12\n"sv, "OFF"},
+                                                                         {"# vtk DataFile Version 3.0\n"sv, "VTK"},
+                                                                         {"<?xml version=\"1.0\"?>"sv, "XML"},
+                                                                         {"\xff\xfex\0"sv, "text in UTF-16"},
+                                                                         {"\x89HDF\r\n\x1a\n"sv, "HDF5"},
+                                                                         {"II*\0"sv, "a TIFF image"}};
   for (const auto& [file, name] : cases) {
     const auto advice = advice_on_format(file);
     ASSERT_TRUE(advice) << name;

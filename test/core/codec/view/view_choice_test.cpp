@@ -35,7 +35,7 @@ Cloud frame(float sign = 1) {
   return cloud;
 }
 
-/// The same points in another order, without rows.
+/// Returns the points in another order, without rows.
 Cloud shuffled(Cloud cloud) {
   std::mt19937 random(5);
   for (std::size_t i = cloud.x.size(); i > 1; --i) {
