@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "segserve/cloud.hpp"
 
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
 #include "fmt/format.h"
 
 namespace segserve {
@@ -30,6 +35,26 @@ Cloud BorrowingCloud::to_cloud() && {
   return std::move(owned_);
 }
 
+std::optional<std::string> fault_of_cameras(const View& view, std::optional<std::size_t> points) {
+  const std::size_t count = view.cameras.size();
+  if (count == 0) return std::nullopt;
+  if (view.kind != ViewKind::kWorld) return "cameras need a WORLD view, but the view is CAMERA";
+  if (view.sensor) return "the view has both a sensor and cameras, but may only have one of them";
+  if (count > kMostCameras)
+    return fmt::format("there are {} cameras, but at most {} are possible", count, kMostCameras);
+  std::uint64_t sum = 0;
+  for (std::size_t c = 0; c < count; ++c) {
+    const auto& [camera_points, sensor] = view.cameras[c];
+    if (camera_points == 0) return fmt::format("camera {} has no points", c);
+    if (!is_finite(sensor[0], sensor[1], sensor[2])) return fmt::format("the position of camera {} is not finite", c);
+    sum += camera_points;
+  }
+  if (points && sum != *points) {
+    return fmt::format("the cameras have {} points together, but the cloud has {}", sum, *points);
+  }
+  return std::nullopt;
+}
+
 absl::Status check_shape(const CloudView& cloud) {
   const std::size_t n = cloud.size();
   if (n == 0) return absl::InvalidArgumentError("the cloud is empty: it has no points");
@@ -51,6 +76,7 @@ absl::Status check_shape(const CloudView& cloud) {
   if (const auto& s = cloud.view.sensor; s && !is_finite((*s)[0], (*s)[1], (*s)[2])) {
     return absl::InvalidArgumentError("the position of the sensor is not finite");
   }
+  if (const auto fault = fault_of_cameras(cloud.view, n)) return absl::InvalidArgumentError(*fault);
   return absl::OkStatus();
 }
 

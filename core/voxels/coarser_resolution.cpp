@@ -11,7 +11,7 @@
 #include "core/base/stop_check.hpp"
 #include "core/voxels/cell_input.hpp"
 #include "core/voxels/cell_mapping.hpp"
-#include "core/voxels/point_selection.hpp"
+#include "core/voxels/point_selections.hpp"
 #include "core/voxels/simd/voxel_kernels.hpp"
 #include "core/voxels/voxel_key.hpp"
 
@@ -58,12 +58,13 @@ double count_voxels(const FrameContext& frame, int power, StopCheck& check) {
   std::array<VoxelKey, kChunk + kRoom> keys;
   std::array<std::int32_t, kChunk + kRoom> x, y, z;
   const CellMapping mapping(frame.scale);
-  const PointSelection selection(frame.options, frame.view());
+  const PointSelections selections(frame.options, frame.view());
   LinearCounter counter;
-  for (std::size_t first = 0; first < frame.cloud.size(); first += kChunk) {
-    const std::size_t count = std::min(kChunk, frame.cloud.size() - first);
+  for (std::size_t first = 0, count = 0; first < frame.cloud.size(); first += count) {
+    const PointSelections::Part& part = selections.at(first);
+    count = std::min({kChunk, frame.cloud.size() - first, part.end - first});
     if (check.after(count)) break;
-    const CellInput in = cell_input(frame.cloud, selection, mapping, first);
+    const CellInput in = cell_input(frame.cloud, part.selection, mapping, first);
     voxel_kernels().find_cells(in, count, {keys.data(), x.data(), y.data(), z.data()});
     for (std::size_t i = 0; i < count; ++i) {
       if (keys[i] != kNoKey) counter.add(coarser(keys[i], power));

@@ -11,11 +11,12 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, V
   part_.without_cell = {};
   part_.finite_points = 0;
   std::size_t reported = 0;
-  for (std::size_t first = begin; first < end; first += kChunk) {
-    const std::size_t count = std::min(kChunk, end - first);
+  for (std::size_t first = begin, count = 0; first < end; first += count) {
+    const PointSelections::Part& part = selections_.at(first);
+    count = std::min({kChunk, end - first, part.end - first});
     if (check.after(count)) return;
-    find_cells(first, count);
-    if (!selection_.all()) count_finite(first, count);
+    find_cells(part.selection, first, count);
+    if (!selections_.all()) count_finite(first, count);
     find_slots(find_runs(first, count));
     const std::size_t voxels = part_.table.voxels().size();
     if (admission != nullptr && voxels - reported >= VoxelAdmission::kPortion) {
@@ -27,15 +28,15 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, V
   }
 }
 
-void RangeVoxelizer::find_cells(std::size_t first, std::size_t count) {
-  const CellInput in = cell_input(cloud_, selection_, mapping_, first);
+void RangeVoxelizer::find_cells(const PointSelection& selection, std::size_t first, std::size_t count) {
+  const CellInput in = cell_input(cloud_, selection, mapping_, first);
   const PointsWithoutCell chunk = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
   PointsWithoutCell& sum = part_.without_cell;
   if (chunk.others > 0 && sum.others == 0) sum.first_other = first + chunk.first_other;
   sum.zeros += chunk.zeros;
   sum.others += chunk.others;
   // Points with a cell are counted by find_slots.
-  if (selection_.all()) part_.finite_points += chunk.others;
+  if (selections_.all()) part_.finite_points += chunk.others;
 }
 
 void RangeVoxelizer::count_finite(std::size_t first, std::size_t count) {
@@ -77,7 +78,7 @@ void RangeVoxelizer::find_slots(std::size_t runs) {
     // Writes eight entries at a time, however long the run is: the next run overwrites the rest.
     for (std::size_t i = begin; i < end; i += kRoom) std::fill_n(&slots_[i], kRoom, slot);
   }
-  if (selection_.all()) part_.finite_points += finite;
+  if (selections_.all()) part_.finite_points += finite;
 }
 
 }  // namespace segserve

@@ -9,6 +9,7 @@
 #include "core/base/stop_check.hpp"
 #include "core/voxels/cell_mapping.hpp"
 #include "core/voxels/point_selection.hpp"
+#include "core/voxels/point_selections.hpp"
 #include "core/voxels/simd/voxel_kernels.hpp"
 #include "core/voxels/voxel_admission.hpp"
 #include "core/voxels/voxel_table.hpp"
@@ -28,9 +29,9 @@ struct PartialVoxels {
 /// time, it must have room for all points from the start.
 class RangeVoxelizer {
  public:
-  RangeVoxelizer(const CloudView& cloud, const PointSelection& selection, const CellMapping& mapping,
+  RangeVoxelizer(const CloudView& cloud, const PointSelections& selections, const CellMapping& mapping,
                  PartialVoxels& part, std::vector<std::uint32_t>& slot_of_point)
-      : cloud_(cloud), selection_(selection), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
+      : cloud_(cloud), selections_(selections), mapping_(mapping), part_(part), slot_of_point_(slot_of_point) {}
 
   /// Stops before the end if the admission, which may be null, refuses the frame.
   void run(std::size_t begin, std::size_t end, StopCheck& check, VoxelAdmission* admission);
@@ -43,13 +44,13 @@ class RangeVoxelizer {
   template <typename T>
   using PerPoint = std::array<T, kChunk + kRoom>;
 
-  void find_cells(std::size_t first, std::size_t count);
+  void find_cells(const PointSelection& selection, std::size_t first, std::size_t count);
   void count_finite(std::size_t first, std::size_t count);
   std::size_t find_runs(std::size_t first, std::size_t count);
   void find_slots(std::size_t runs);
 
   const CloudView& cloud_;
-  const PointSelection& selection_;
+  const PointSelections& selections_;
   const CellMapping& mapping_;
   PartialVoxels& part_;
   std::vector<std::uint32_t>& slot_of_point_;

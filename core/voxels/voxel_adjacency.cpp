@@ -15,8 +15,8 @@ constexpr std::int64_t kRowStep = std::int64_t{1} << kCellBits;
 constexpr std::int64_t kLayerStep = std::int64_t{1} << (2 * kCellBits);
 constexpr std::size_t kMostNeighbors = 26;
 
-/// For each row of cells around a voxel, in ascending order: what leads from the key of the voxel to the smallest key
-/// of a neighbor in that row.
+/// The difference between the key of a voxel and the smallest key of a neighbor in a row of cells, for each row around
+/// the voxel, in ascending order.
 constexpr std::array<std::int64_t, 9> kRowOffsets = [] {
   std::array<std::int64_t, 9> offsets{};
   std::size_t row = 0;

@@ -15,12 +15,14 @@ absl::Status remove_voxels(const FrameContext& frame, const std::vector<bool>& r
     grid.centroid[left] = grid.centroid[v];
     grid.color_sum[left] = grid.color_sum[v];
     grid.points[left] = grid.points[v];
+    if (!grid.camera.empty()) grid.camera[left] = grid.camera[v];
     moved_to[v] = left++;
   });
   grid.key.resize(left);
   grid.centroid.resize(left);
   grid.color_sum.resize(left);
   grid.points.resize(left);
+  if (!grid.camera.empty()) grid.camera.resize(left);
   check.for_each(1, grid.voxel_of_slot.size(),
                  [&](std::size_t slot) { grid.voxel_of_slot[slot] = moved_to[grid.voxel_of_slot[slot]]; });
   return check.status();

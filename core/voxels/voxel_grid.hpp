@@ -21,6 +21,7 @@ struct VoxelGrid {
   std::vector<Vec3> centroid;         ///< V: mean of the voxel's points, meters, the cloud's frame
   std::vector<Vec3> color_sum;        ///< V: sum of (R, G, B), 0..255 each, over its points; whole numbers
   std::vector<std::uint32_t> points;  ///< V: number of its points
+  std::vector<std::uint8_t> camera;   ///< V: the camera that saw it (find_seeing_cameras); empty without cameras
 
   // Each voxel has a slot, from 1 on in the order in which its first point appears. Points refer to slots, so that a
   // value for each voxel becomes one for each point by a single gather.

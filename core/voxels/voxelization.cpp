@@ -9,7 +9,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/voxels/cell_mapping.hpp"
-#include "core/voxels/point_selection.hpp"
+#include "core/voxels/point_selections.hpp"
 #include "fmt/format.h"
 
 namespace segserve {
@@ -76,7 +76,7 @@ void rank_keys(const VoxelList& voxels, StopCheck& check, std::vector<std::uint6
 absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid, VoxelAdmission* admission) {
   const std::size_t points = frame.cloud.size();
   const unsigned threads = frame.executor.threads();
-  const PointSelection selection(frame.options, frame.view());
+  const PointSelections selections(frame.options, frame.view());
   const CellMapping mapping(frame.scale);
   if (parts_.size() != threads) parts_ = std::vector<PartialVoxels>(threads);
   // A single thread appends the slots chunk by chunk, so that each chunk is written while it is in the cache.
@@ -85,7 +85,7 @@ absl::Status Voxelization::run(const FrameContext& frame, VoxelGrid& grid, Voxel
   if (threads > 1) grid.slot_of_point.resize(points);
   RETURN_IF_ERROR(parallel_parts(frame.executor, frame.stop, points,
                                  [&](unsigned part, std::size_t begin, std::size_t end, StopCheck& check) {
-                                   RangeVoxelizer(frame.cloud, selection, mapping, parts_[part], grid.slot_of_point)
+                                   RangeVoxelizer(frame.cloud, selections, mapping, parts_[part], grid.slot_of_point)
                                        .run(begin, end, check, admission);
                                  }));
   if (admission != nullptr) RETURN_IF_ERROR(admission->status());
