@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "segserve/cloud.hpp"
@@ -27,6 +29,11 @@ struct Raster {
 Raster rasterize_organized(const CloudView& cloud);
 
 /// Any cloud, projected with a z-buffer as described at render().
-Raster rasterize_projected(const CloudView& cloud, std::uint32_t width, std::uint32_t height);
+Raster rasterize_projected(const CloudView& cloud, std::uint32_t width, std::uint32_t height,
+                           const std::optional<Eigen::Vector3f>& view_from);
+
+/// Closes small holes in surfaces: a pixel that shows nothing, or what lies behind, takes the point of the surface that
+/// surrounds it. The outlines of surfaces stay where they are.
+void close_holes(Raster& raster);
 
 }  // namespace segserve::picture

@@ -3,8 +3,10 @@
 #include <array>
 #include <cmath>
 
+#include "core/lab/picture/legend.hpp"
 #include "core/lab/picture/picture.hpp"
 #include "core/lab/picture/raster.hpp"
+#include "core/lab/picture/segment_colors.hpp"
 
 namespace segserve::picture {
 namespace {
@@ -65,13 +67,13 @@ class DepthShade {
 };
 
 /// The color of the segment with the brightness of the point, so that texture stays visible.
-Color paint(const Color& own, std::uint32_t label, float blend) {
-  const Color segment = scaled(unpack(segment_color(label)), 0.45F + 0.75F * luma(own));
+Color paint(const Color& own, std::uint32_t rgb, float blend) {
+  const Color segment = scaled(unpack(rgb), 0.45F + 0.75F * luma(own));
   return mix(own, segment, blend);
 }
 
 Image paint_points(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options,
-                   const Raster& raster) {
+                   const Raster& raster, const SegmentColors& colors) {
   Image image{raster.width, raster.height, std::vector<std::uint8_t>(3 * raster.point.size())};
   const DepthShade shade(raster);
   const float blend = std::clamp(options.blend, 0.0F, 1.0F);
@@ -82,7 +84,7 @@ Image paint_points(const CloudView& cloud, std::span<const std::uint32_t> labels
       continue;
     }
     const Color own = cloud.has_color() ? unpack(cloud.rgb[point]) : shade(raster.depth[pixel]);
-    put(labels.empty() ? own : paint(own, labels[point], blend), pixel, image);
+    put(labels.empty() ? own : paint(own, colors(labels[point]), blend), pixel, image);
   }
   return image;
 }
@@ -138,16 +140,35 @@ void light_edges(const Raster& raster, Image& image) {
   }
 }
 
+bool is_seen_as_image(const CloudView& cloud, const RenderOptions& options) {
+  return cloud.height > 1 && !options.view_from;
+}
+
+Raster rasterize(const CloudView& cloud, const RenderOptions& options) {
+  if (is_seen_as_image(cloud, options)) return rasterize_organized(cloud);
+  return rasterize_projected(cloud, options.width, options.height, options.view_from);
+}
+
 }  // namespace
 
 Image render(const CloudView& cloud, std::span<const std::uint32_t> labels, const RenderOptions& options) {
-  const bool organized = cloud.height > 1;
-  const Raster raster =
-      organized ? rasterize_organized(cloud) : rasterize_projected(cloud, options.width, options.height);
-  Image image = paint_points(cloud, labels, options, raster);
-  if (!organized) light_edges(raster, image);
-  if (organized && options.borders && !labels.empty()) draw_borders(labels, raster, image);
-  return image;
+  const bool is_image = is_seen_as_image(cloud, options);
+  const Raster raster = rasterize(cloud, options);
+  SegmentColors own_colors;
+  SegmentColors& colors = options.colors == nullptr ? own_colors : *options.colors;
+  if (!labels.empty()) colors.update(labels_by_size(raster, labels), label_neighbors(raster, labels));
+  Image image = paint_points(cloud, labels, options, raster, colors);
+  if (!is_image) light_edges(raster, image);
+  if (is_image && options.borders && !labels.empty()) draw_borders(labels, raster, image);
+  return options.legend && !labels.empty() ? with_legend(image, raster, labels, colors) : image;
+}
+
+SegmentColors colors_in_picture(const CloudView& cloud, std::span<const std::uint32_t> labels,
+                                const RenderOptions& options) {
+  const Raster raster = rasterize(cloud, options);
+  SegmentColors colors = options.colors == nullptr ? SegmentColors() : *options.colors;
+  colors.update(labels_by_size(raster, labels), label_neighbors(raster, labels));
+  return colors;
 }
 
 }  // namespace segserve::picture

@@ -112,9 +112,9 @@ TEST(RenderProjected, CameraCloudsAreSeenFromTheCamera) {
   EXPECT_TRUE(is_background(pixel(image, 2, 75)));
 }
 
-TEST(RenderProjected, WorldCloudsAreSeenFromAboveOnTheSensorsSide) {
+TEST(RenderProjected, WorldCloudsAroundTheirSensorAreSeenFromAboveOnItsSide) {
   Cloud cloud;
-  cloud.view = View::world(10.0F, 0.5F, 0.0F);
+  cloud.view = View::world(0.9F, 0.5F, 0.5F);
   add_square(0.0F, 0.0F, 0.0F, 0x00FF00, 80, cloud);
   add_square(0.0F, 0.0F, 1.0F, 0xFF0000, 80, cloud);  // a roof over the floor
   const Image image = render(cloud, {}, {.width = 200, .height = 200});
@@ -127,6 +127,66 @@ TEST(RenderProjected, WorldCloudsAreSeenFromAboveOnTheSensorsSide) {
     if (is_green(pixel(image, 100, y))) lowest_green = y;
   }
   EXPECT_GT(lowest_green, lowest_red);
+}
+
+TEST(RenderProjected, WorldCloudsAreSeenFromASensorThatSeesThemWhole) {
+  Cloud cloud;
+  cloud.view = View::world(0.5F, 0.5F, -4.0F);
+  add_square(0.0F, 0.0F, 0.0F, 0x00FF00, 80, cloud);
+  add_square(0.0F, 0.0F, 1.0F, 0xFF0000, 80, cloud);  // behind the floor for a sensor below it
+  const Image image = render(cloud, {}, {.width = 200, .height = 200});
+  EXPECT_GT(count_pixels(image, is_green), 120U * 120U);
+  EXPECT_EQ(count_pixels(image, is_red), 0U);
+}
+
+TEST(RenderProjected, ViewFromDecides) {
+  Cloud cloud;
+  cloud.view = View::camera();
+  add_square(-0.5F, -0.5F, 2.0F, 0xFF0000, 60, cloud);
+  add_square(-0.5F, -0.5F, 4.0F, 0x00FF00, 60, cloud);
+  const RenderOptions behind{.width = 200, .height = 150, .view_from = Eigen::Vector3f(0, 0, 9)};
+  const Image image = render(cloud, {}, behind);
+  EXPECT_TRUE(is_green(pixel(image, 100, 75)));
+  EXPECT_EQ(count_pixels(image, is_red), 0U);
+  // From the side both are seen, and the picture is upright: z to the right, from the red square to the green one.
+  const Image side = render(cloud, {}, {.width = 200, .height = 150, .view_from = Eigen::Vector3f(-9, -1, 3)});
+  EXPECT_GT(count_pixels(side, is_green), 50U);
+  EXPECT_GT(count_pixels(side, is_red), 50U);
+  std::uint32_t left_red = 200, left_green = 200;
+  for (std::uint32_t x = 200; x-- > 0;) {
+    for (std::uint32_t y = 0; y < 150; ++y) {
+      if (is_red(pixel(side, x, y))) left_red = x;
+      if (is_green(pixel(side, x, y))) left_green = x;
+    }
+  }
+  EXPECT_LT(left_green, left_red) << "from the left of the camera, what is far from it is at the left";
+}
+
+TEST(RenderProjected, ViewFromTurnsAnImageIntoAScene) {
+  const Image image = render(small_image(), {}, {.width = 64, .height = 48, .view_from = Eigen::Vector3f(0, 0, -5)});
+  EXPECT_EQ(image.width, 64U);
+  // Straight from above, nothing in the picture is up by itself.
+  EXPECT_EQ(render(small_image(), {}, {.width = 64, .height = 48, .view_from = Eigen::Vector3f(1.5F, -50, 2)}).width,
+            64U);
+}
+
+TEST(RenderLegend, StandsBesideThePicture) {
+  Cloud cloud;
+  cloud.view = View::world();
+  add_square(0.0F, 0.0F, 0.0F, 0x808080, 50, cloud);
+  const std::vector<std::uint32_t> labels(cloud.size(), 1);
+  const RenderOptions options{.width = 200, .height = 150};
+  RenderOptions with_legend = options;
+  with_legend.legend = true;
+  const Image plain = render(cloud, labels, options);
+  const Image image = render(cloud, labels, with_legend);
+  EXPECT_GT(image.width, plain.width + 100);
+  EXPECT_EQ(image.height, plain.height);
+  EXPECT_EQ(pixel(image, 10, 10), pixel(plain, 10, 10));
+  bool has_swatch = false;
+  for (std::uint32_t x = plain.width; x < image.width; ++x) has_swatch |= pixel(image, x, 55) == segment_color(1);
+  EXPECT_TRUE(has_swatch);
+  EXPECT_EQ(render(cloud, {}, with_legend).width, plain.width) << "without labels there is none";
 }
 
 TEST(RenderProjected, LabelsColorPoints) {
