@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "core/lab/synth/scene.hpp"
 
@@ -82,6 +84,79 @@ TEST(SegmentTest, AShapeThatDoesNotFitIsRefused) {
   cloud.points.pop_back();  // behind PCL's back: width and height stay
   const auto result = segment(cloud, View::camera());
   EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(IndicesTest, OnlyTheirPointsAreSegmentedAndTheShapeStays) {
+  const pcl::PointCloud<pcl::PointXYZRGB> points = to_pcl<pcl::PointXYZRGB>(scene());
+  pcl::Indices indices;
+  for (pcl::index_t i = 0; i < static_cast<pcl::index_t>(points.size() / 2); ++i) indices.push_back(i);
+  const auto cloud = from_pcl(points, indices, View::camera());
+  ASSERT_TRUE(cloud.ok()) << cloud.status();
+  EXPECT_EQ(cloud->width, 160U);
+  EXPECT_EQ(cloud->height, 120U);
+  EXPECT_TRUE(std::isnan(cloud->x.back()));
+  EXPECT_TRUE(same(cloud->x.front(), points.front().x));
+
+  const auto result = segment(points, indices, View::camera());
+  ASSERT_TRUE(result.ok()) << result.status();
+  EXPECT_EQ(result->labels, segserve::segment(*cloud, {})->labels);
+  EXPECT_GT(result->segmented_points, 0U);
+  for (std::size_t i = indices.size(); i < points.size(); ++i) ASSERT_EQ(result->labels[i], 0U);
+}
+
+TEST(IndicesTest, ThoseOfNoPointAreNamed) {
+  const auto points = to_pcl<pcl::PointXYZ>(scene());
+  for (const pcl::index_t index : {-1, 160 * 120}) {
+    const auto result = segment(points, pcl::Indices{0, index}, View::camera());
+    EXPECT_EQ(result.status().code(), absl::StatusCode::kInvalidArgument);
+    EXPECT_THAT(std::string(result.status().message()), HasSubstr("index " + std::to_string(index) + " is not that"));
+  }
+}
+
+TEST(ClusterIndicesTest, HaveThePointsOfEachLabel) {
+  const std::vector<std::uint32_t> labels{2, 0, 1, 1, 3, 1, 2};
+  const auto indices_of = [](const std::vector<pcl::PointIndices>& clusters) {
+    std::vector<pcl::Indices> indices;
+    for (const pcl::PointIndices& cluster : clusters) indices.push_back(cluster.indices);
+    return indices;
+  };
+  EXPECT_THAT(indices_of(cluster_indices(labels)),
+              testing::ElementsAre(pcl::Indices{2, 3, 5}, pcl::Indices{0, 6}, pcl::Indices{4}));
+  EXPECT_THAT(indices_of(cluster_indices(labels, 2, 2)), testing::ElementsAre(pcl::Indices{0, 6}));
+  EXPECT_TRUE(cluster_indices({}).empty());
+}
+
+TEST(SupervoxelNormalsTest, AreUnitVectorsThatFaceTheCamera) {
+  const Cloud cloud = scene();
+  const auto result = segment(to_pcl<pcl::PointXYZRGB>(cloud), View::camera());
+  ASSERT_TRUE(result.ok()) << result.status();
+  const auto normals = supervoxel_normals(*result);
+  ASSERT_TRUE(normals.ok()) << normals.status();
+  ASSERT_EQ(normals->size(), cloud.size());
+  std::size_t facing = 0, known = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const pcl::Normal& normal = (*normals)[i];
+    ASSERT_TRUE(result->supervoxels[i] != 0 || std::isnan(normal.normal_x));
+    if (std::isnan(normal.normal_x)) continue;
+    ++known;
+    EXPECT_NEAR(normal.getNormalVector3fMap().norm(), 1, 1e-5);
+    facing += normal.normal_x * cloud.x[i] + normal.normal_y * cloud.y[i] + normal.normal_z * cloud.z[i] < 0 ? 1 : 0;
+  }
+  EXPECT_GT(known, cloud.size() / 4);
+  EXPECT_GT(facing, known * 95 / 100);
+  EXPECT_EQ(supervoxel_normals(Segmentation()).status().code(), absl::StatusCode::kInvalidArgument);
+}
+
+TEST(SensorPoseTest, IsThatOfTheCloud) {
+  pcl::PointCloud<pcl::PointXYZ> cloud(4, 3);
+  EXPECT_EQ(sensor_pose(cloud), RigidTransform());
+  cloud.sensor_origin_ = Eigen::Vector4f(1, 2, 3, 0);
+  cloud.sensor_orientation_ = Eigen::Quaternionf(0, 2, 0, 0);  // half a turn about x, not normalized
+  const RigidTransform pose = sensor_pose(cloud);
+  EXPECT_EQ(pose.translation, Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(pose.rotation.isApprox(Eigen::Vector3d(1, -1, -1).asDiagonal().toDenseMatrix()));
+  cloud.sensor_orientation_ = Eigen::Quaternionf(0, 0, 0, 0);
+  EXPECT_EQ(sensor_pose(cloud).rotation, Eigen::Matrix3d::Identity());
 }
 
 TEST(ViewByPcdRuleTest, OrganizedAndUnmovedIsACamera) {
