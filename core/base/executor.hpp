@@ -34,7 +34,7 @@ class Executor {
     run_parts([&](unsigned part) { work(part, bound(part), bound(part + 1)); });
   }
 
-  /// The same for work(begin, end), which does not need to know its part.
+  /// Does the same with work(begin, end), which does not need to know its part.
   template <typename Work>
   void for_each_range(std::size_t count, Work&& work) {
     for_each_part(count, [&work](unsigned, std::size_t begin, std::size_t end) { work(begin, end); });

@@ -72,13 +72,13 @@ inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uin
   }
 }
 
-/// The same without buffers to keep.
+/// Does the same with buffers of its own.
 inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order, StopCheck& check) {
   SortScratch scratch;
   sort_order(keys, order, scratch, check);
 }
 
-/// The same without a stop token.
+/// Does the same without a stop token.
 inline void sort_order(std::span<const std::uint64_t> keys, std::vector<std::uint32_t>& order) {
   const StopToken never;
   StopCheck check(never);

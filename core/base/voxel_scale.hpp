@@ -26,11 +26,11 @@ struct VoxelScale {
   /// CAMERA view: the depth, meters, from which the noise of the sensor exceeds the edge of a voxel.
   double noise_depth = std::numeric_limits<double>::infinity();
 
-  /// By how much a voxel at depth z is deeper than wide.
+  /// The ratio of the depth of a voxel at depth z to its width.
   double elongation(double z) const { return z > elongation_depth ? z / elongation_depth : 1; }
 
-  /// By how many edges of a voxel the noise at depth z exceeds one edge, in [0, 1]. It ends at 1, because corners of a
-  /// right angle stay visible in any noise.
+  /// The number of edges of a voxel by which the noise at depth z exceeds one edge, in [0, 1]. It ends at 1, because
+  /// corners of a right angle stay visible in any noise.
   double excess_noise(double z) const { return z > noise_depth ? std::min(1.0, z / noise_depth - 1) : 0; }
 };
 

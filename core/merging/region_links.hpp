@@ -77,12 +77,15 @@ class RegionLinks {
     links_[q].clear();
   }
 
+  /// After merge(p, q): whether the i-th neighbor of p was one of q.
+  bool was_linked_to_q(std::size_t i) const { return linked_to_q_[i] != 0; }
+
   /// After merge(p, q): makes `back`, which leads to p, replace the links to p and q in the list of the i-th neighbor
   /// of p.
   void relink(std::size_t i, const Link& back, std::uint32_t neighbor, std::uint32_t q) {
     std::vector<Link>& links = links_[neighbor];
     Link* const at = lower_bound(links, back.region);
-    if (linked_to_q_[i] != 0) {
+    if (was_linked_to_q(i)) {
       Link* const old = lower_bound(links, q);
       if (at->region == back.region) {
         links.erase(links.begin() + (old - links.data()));

@@ -49,18 +49,13 @@ absl::Status fit_neighborhood_normals(const FrameContext& frame, const VoxelGrid
                                       const Neighborhoods& neighborhoods, std::vector<Vec3>& normals) {
   const NormalKernels& kernels = normal_kernels();
   const VoxelColumns columns = neighborhoods.columns();
-  const bool has_sensor = frame.view().has_sensor();
-  const Vec3 sensor = sensor_of(frame.view());
   normals.resize(grid.size());
   RETURN_IF_ERROR(for_groups(frame, neighborhoods, [&](const VoxelGroups& groups) {
     kernels.fit_neighborhoods(columns, groups, normals.data());
-    if (!has_sensor) return;
     const std::uint32_t last = groups.end[-1].voxels.first + groups.end[-1].voxels.count;
-    for (std::uint32_t v = groups.begin->voxels.first; v < last; ++v) {
-      normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
-    }
+    turn_to_sensors(frame, grid, groups.begin->voxels.first, last, normals);
   }));
-  return has_sensor ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
+  return frame.view().has_sensor() ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
 }
 
 absl::Status refine_normals(const FrameContext& frame, const RefinementOptions& options, Neighborhoods& neighborhoods,

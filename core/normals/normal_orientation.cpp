@@ -8,6 +8,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/math/eigen_conversion.hpp"
 #include "core/normals/visibility.hpp"
 
 namespace segserve {
@@ -86,6 +87,21 @@ class Propagation {
 
 Vec3 sensor_of(const View& view) {
   return view.sensor ? Vec3{(*view.sensor)[0], (*view.sensor)[1], (*view.sensor)[2]} : Vec3{};
+}
+
+void turn_to_sensors(const FrameContext& frame, const VoxelGrid& grid, std::size_t first, std::size_t last,
+                     std::vector<Vec3>& normals) {
+  const View& view = frame.view();
+  if (!view.has_sensor()) return;
+  if (view.cameras.empty()) {
+    const Vec3 sensor = sensor_of(view);
+    for (std::size_t v = first; v < last; ++v) normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
+    return;
+  }
+  for (std::size_t v = first; v < last; ++v) {
+    const Vec3 sensor = to_vec3(view.cameras[grid.camera[v]].sensor.cast<double>());
+    normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
+  }
 }
 
 absl::Status orient_consistently(const FrameContext& frame, const VoxelAdjacency& adjacency,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -13,7 +14,7 @@
 
 namespace segserve {
 
-/// Where the sensor of `view` is, which must have one (CAMERA, or WORLD with a position).
+/// Where the sensor of `view` is, which must have a single one (CAMERA, or WORLD with a position).
 Vec3 sensor_of(const View& view);
 
 /// Turns a normal at `position` towards the sensor. No branch asks for the side, because it would be mispredicted for
@@ -22,6 +23,11 @@ inline Vec3 turn_to_sensor(const Vec3& normal, const Vec3& position, const Vec3&
   const double side = dot(normal, sensor - position);
   return std::copysign(1.0, side + 0.0) * normal;  // -0.0 + 0.0 is 0.0
 }
+
+/// Turns the normals (V) of the voxels from `first` to `last` towards the sensor, or to the camera that saw the voxel.
+/// Leaves them in a view without a sensor.
+void turn_to_sensors(const FrameContext& frame, const VoxelGrid& grid, std::size_t first, std::size_t last,
+                     std::vector<Vec3>& normals);
 
 /// Makes normals (V) consistent in a view without a sensor. Along a minimum spanning tree that prefers parallel normals
 /// (Hoppe et al. 1992), each normal takes the side of its parent, and each connected component points upwards (+z) on

@@ -15,8 +15,6 @@ absl::Status TwoRingNormals::run(const FrameContext& frame, const VoxelGrid& gri
                                  std::vector<Vec3>& normals) {
   const NormalKernels& kernels = normal_kernels();
   const NeighborRows rows{adjacency.offset.data(), adjacency.neighbor.data()};
-  const bool has_sensor = frame.view().has_sensor();
-  const Vec3 sensor = sensor_of(frame.view());
   centroid_.resize(grid.size());
   rings_.resize(grid.size());
   normals.resize(grid.size());
@@ -31,10 +29,9 @@ absl::Status TwoRingNormals::run(const FrameContext& frame, const VoxelGrid& gri
   }));
   RETURN_IF_ERROR(for_voxel_blocks(frame, adjacency, [&](std::size_t first, std::size_t last) {
     kernels.fit_planes(first, last, rows, centroid_.data(), rings_.data(), normals.data());
-    if (!has_sensor) return;
-    for (std::size_t v = first; v < last; ++v) normals[v] = turn_to_sensor(normals[v], grid.centroid[v], sensor);
+    turn_to_sensors(frame, grid, first, last, normals);
   }));
-  return has_sensor ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
+  return frame.view().has_sensor() ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
 }
 
 }  // namespace segserve

@@ -7,8 +7,23 @@
 #include "core/base/stop_check.hpp"
 #include "core/base/stopwatch.hpp"
 #include "segserve/segment.hpp"
+#include "segserve/stability.hpp"
 
 namespace segserve {
+namespace {
+
+/// Sets the thresholds at which the merge tree has the segments.
+absl::Status set_thresholds(const MergeTree& tree, std::uint32_t segments, const StopToken& stop,
+                            std::vector<SegmentStatistics>& statistics) {
+  if (segments == 0) return absl::OkStatus();
+  ASSIGN_OR_RETURN(const std::vector<std::uint32_t> nodes, segment_nodes(tree, segments, stop));
+  const std::vector<ThresholdRange> ranges = threshold_ranges(tree);
+  for (std::size_t k = 0; k < std::min(nodes.size(), statistics.size()); ++k)
+    statistics[k].thresholds = ranges[nodes[k]];
+  return absl::OkStatus();
+}
+
+}  // namespace
 
 absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation) {
   Stopwatch watch;
@@ -24,6 +39,9 @@ absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken&
     });
     RETURN_IF_ERROR(check.status());
     RETURN_IF_ERROR(set_normals(segmentation.supervoxel_normals, segment_of_leaf, statistics, stop));
+  }
+  if (segmentation.is_cut && segmentation.tree.leaf_count() > 0) {
+    RETURN_IF_ERROR(set_thresholds(segmentation.tree, segmentation.segments, stop, statistics));
   }
   segmentation.statistics = std::move(statistics);
   segmentation.timings.segments = watch.lap();

@@ -23,6 +23,7 @@
 #include "core/support_plane/support_plane_removal.hpp"
 #include "core/voxels/coarser_resolution.hpp"
 #include "core/voxels/component_bridging.hpp"
+#include "core/voxels/seeing_cameras.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
 #include "core/voxels/voxel_positions.hpp"
 #include "core/voxels/voxelization.hpp"
@@ -41,10 +42,17 @@ void release_if(bool is_large, Buffers&... buffers) {
   if (is_large) ((buffers = Buffers()), ...);
 }
 
-absl::Status copy_normals(const FrameContext& frame, const RegionGraph& graph, std::vector<Eigen::Vector3d>& normals) {
-  normals.resize(graph.regions.size());
+absl::Status copy_features(const FrameContext& frame, const RegionGraph& graph, Segmentation& result) {
+  result.supervoxel_normals.resize(graph.regions.size());
+  result.supervoxel_features.resize(graph.regions.size());
   StopCheck check(frame.stop);
-  check.for_each(0, normals.size(), [&](std::size_t s) { normals[s] = to_eigen(graph.regions[s].normal_sum); });
+  check.for_each(0, graph.regions.size(), [&](std::size_t s) {
+    const Region& region = graph.regions[s];
+    result.supervoxel_normals[s] = to_eigen(region.normal_sum);
+    result.supervoxel_features[s] = {.voxels = region.voxels,
+                                     .centroid = to_eigen(region.centroid),
+                                     .color = to_eigen((1.0 / region.points) * region.color_sum)};
+  });
   return check.status();
 }
 
@@ -158,6 +166,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   // The points, or those that the options select, become voxels.
   VoxelAdmission admission([&](std::size_t voxels) { return ask(admit, frame, voxels); });
   RETURN_IF_ERROR(w.voxelization.run(frame, w.grid, admit ? &admission : nullptr));
+  RETURN_IF_ERROR(find_seeing_cameras(frame, w.grid));
   const bool is_large = w.grid.size() >= kManyVoxels;
   if (is_large) w.voxelization.free_scattered_tables();
   if (admit) RETURN_IF_ERROR(ask(admit, frame, w.grid.size()));
@@ -188,7 +197,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
 
   // The region adjacency graph G^m (section 2.1).
   RETURN_IF_ERROR(w.region_graph_construction.run(frame, w.grid, w.adjacency, w.normals, w.supervoxels, w.graph));
-  RETURN_IF_ERROR(copy_normals(frame, w.graph, result.supervoxel_normals));
+  RETURN_IF_ERROR(copy_features(frame, w.graph, result));
   timings.graph = watch.lap();
 
   // The weights W^m of its edges (eq. 3 to 7); then the two most similar regions merge again and again (eq. 2), which

@@ -15,7 +15,7 @@ struct CameraSampling {
   /// of so much in 1/z is one of `noise` z^2 meters in z, as stereo and structured light have it. 0 if there are too
   /// few points to tell.
   double noise = 0;
-  /// By how much 1/z differs, 1/m, between neighboring points of the surfaces that are seen at the smallest angles.
+  /// The difference of 1/z, 1/m, between neighboring points of the surfaces that are seen at the smallest angles.
   double slope = 0;
 };
 

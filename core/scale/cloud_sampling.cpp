@@ -17,14 +17,14 @@
 #include "core/math/random.hpp"
 #include "core/math/symmetric_matrix3.hpp"
 #include "core/scale/quantile.hpp"
-#include "core/voxels/point_selection.hpp"
+#include "core/voxels/point_selections.hpp"
 
 namespace segserve {
 namespace {
 
 constexpr std::size_t kFewestPoints = 64;  // fewer tell nothing
-/// So many different places of points in a voxel, in the mean, are enough, even if voxels have few neighbors: the sweep
-/// of a LiDAR has sparse parts, which do not decide alone, and small objects are all border.
+/// The mean number of different places of points in a voxel that is enough, even if voxels have few neighbors: the
+/// sweep of a LiDAR has sparse parts, which do not decide alone, and small objects are all border.
 constexpr double kManyPlaces = 4.5;
 
 /// A cell of a cubic grid. Coordinates end at 10^9 cells from the origin.
@@ -58,7 +58,7 @@ Cell cell_at(const Vec3& p, double edge) {
 class SamplingEstimate {
  public:
   SamplingEstimate(const FrameContext& frame, StopCheck& check)
-      : cloud_(frame.cloud), selection_(frame.options, frame.view()), check_(check) {}
+      : cloud_(frame.cloud), selections_(frame.options, frame.view()), check_(check) {}
 
   CloudSampling run(double edge) {
     thin_out();
@@ -77,10 +77,14 @@ class SamplingEstimate {
  private:
   template <typename Each>
   void for_each_point(Each&& each) {
-    check_.for_each(0, cloud_.size(), [&](std::size_t i) {
-      const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
-      if (is_finite(x, y, z) && selection_.selects(x, y, z)) each(x, y, z);
-    });
+    for (std::size_t first = 0, end = 0; first < cloud_.size() && !check_.stopped(); first = end) {
+      const PointSelections::Part& part = selections_.at(first);
+      end = std::min(part.end, cloud_.size());
+      check_.for_each(first, end, [&](std::size_t i) {
+        const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
+        if (is_finite(x, y, z) && part.selection.selects(x, y, z)) each(x, y, z);
+      });
+    }
   }
 
   /// Takes points evenly from the whole cloud. Those that it takes depend on their coordinates alone.
@@ -311,7 +315,7 @@ class SamplingEstimate {
   }
 
   const CloudView& cloud_;
-  const PointSelection selection_;
+  const PointSelections selections_;
   StopCheck& check_;
   std::size_t points_ = 0;    // finite and selected
   std::vector<Vec3> thin_;    // some points from everywhere

@@ -10,8 +10,8 @@
 #include "segserve/cloud.hpp"
 #include "segserve/segment_statistics.hpp"
 
-// What the three passes over the points measure. A run is a range [begin, end) of at most kMaxRun points of one
-// segment; the measures of a segment are the sums (add) of those of its runs, and are the same for any order of its
+// The measures that the three passes over the points take. A run is a range [begin, end) of at most kMaxRun points of
+// one segment. The measures of a segment are the sums (add) of those of its runs, and are the same for any order of its
 // points.
 namespace segserve {
 

@@ -13,7 +13,7 @@
 namespace segserve {
 namespace {
 
-static_assert(RegionMetric<BorderMetric>);
+static_assert(PartialRegionMetric<BorderMetric>);
 
 /// The tolerance for supervoxels at depth z, meters.
 SurfaceTolerance tolerance_at(const VoxelScale& scale, const BorderConstants& constants, double z) {

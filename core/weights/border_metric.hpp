@@ -40,7 +40,7 @@ absl::Status find_border_evidence(const FrameContext& frame, const RegionGraph& 
                                   const std::vector<Border>& borders, const BorderConstants& constants,
                                   std::vector<BorderEvidence>& evidence);
 
-/// By how much two supervoxels may differ and still be one surface (is_cut).
+/// The most by which two supervoxels may differ and still be one surface (is_cut).
 struct SurfaceTolerance {
   double step = 0;    ///< the highest step between them, meters
   double seed = 0;    ///< the distance of seeds, meters; the step may be higher where the surface folds within it
@@ -51,8 +51,8 @@ struct SurfaceTolerance {
 /// centroids x, meters, and unit normals n.
 bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, const SurfaceTolerance& tolerance);
 
-/// The metric of the border method (a RegionMetric): the mean evidence over the border between two regions, less a
-/// bias, plus a term that grows with the smaller region. Both terms only grow with merging, so that the merge tree is
+/// The metric of the border method (a PartialRegionMetric): the mean evidence over the border between two regions, less
+/// a bias, plus a term that grows with the smaller region. Both terms only grow with merging, so that the merge tree is
 /// monotone: delta(A u B, C) >= min(delta(A, C), delta(B, C)).
 class BorderMetric {
  public:
@@ -70,6 +70,8 @@ class BorderMetric {
   double dissimilarity(std::uint32_t a, std::uint32_t b, const BorderEvidence& evidence) const;
   /// The sigmoid: delta in [0, 1].
   double weight(double dissimilarity) const;
+  /// The size term is that of the smaller region.
+  bool counts(std::uint32_t r, std::uint32_t neighbor) const { return voxels_[r] < voxels_[neighbor]; }
   bool too_small(std::uint32_t r) const { return voxels_[r] < constants_.smallest_size || points_[r] < min_points_; }
   void merge(std::uint32_t into, std::uint32_t from);
 

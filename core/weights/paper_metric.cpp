@@ -117,7 +117,7 @@ void PaperMetric::update_surface(std::size_t r) {
   const Region& region = regions_[r];
   Vec3 normal = smallest_eigenvector(region.scatter);
   if (normal == Vec3{}) normal = unit(region.normal_sum);  // It has too few voxels for a plane of its own.
-  if (view_.has_sensor()) {
+  if (view_.has_sensor() && view_.cameras.empty()) {
     normal = turn_to_sensor(normal, region.centroid, sensor_of(view_));
   } else if (dot(normal, region.normal_sum) < 0) {
     normal = -normal;

@@ -32,6 +32,13 @@ concept RegionMetric = requires(T metric, const T& constant, typename T::Evidenc
   evidence += evidence;
 };
 
+/// A metric by which a merge leaves most edges of a large region as they are: that region's part in an edge only counts
+/// where counts(region, neighbor). Once it does not count, it does not after merges of the region, either.
+template <typename T>
+concept PartialRegionMetric = RegionMetric<T> && requires(const T& constant, std::uint32_t r) {
+  { constant.counts(r, r) } -> std::convertible_to<bool>;
+};
+
 /// A metric without evidence that computes the dissimilarities of many pairs of regions at once, which is faster than
 /// one by one, and that knows those of all edges of the region graph before any merge.
 template <typename T>

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -26,16 +27,34 @@ enum class ViewKind : std::uint8_t {
   kWorld,
 };
 
+/// The points that one of several cameras saw. They follow one another in the cloud.
+struct CameraPoints {
+  std::uint32_t points = 0;                          ///< their number, at least 1
+  Eigen::Vector3f sensor = Eigen::Vector3f::Zero();  ///< position of the camera in the cloud's frame, meters
+  bool operator==(const CameraPoints&) const = default;
+};
+
+/// The most cameras that a view may have.
+inline constexpr std::size_t kMostCameras = 64;
+
 struct View {
   ViewKind kind = ViewKind::kCamera;
-  /// Position of the sensor in the cloud's frame, meters. Only a WORLD view may have one.
+  /// Position of the sensor in the cloud's frame, meters. Only a WORLD view without cameras may have one.
   std::optional<Eigen::Vector3f> sensor = std::nullopt;
+  /// The cameras of a WORLD cloud that several of them saw at once, in the order of their points. The first
+  /// cameras[0].points points are those of cameras[0], and so on; the numbers add up to N. Each normal is turned to the
+  /// camera that saw the surface, and ranges are measured from there. Empty for all other clouds. merge_cameras
+  /// (segserve/cameras.hpp) makes such a cloud.
+  std::vector<CameraPoints> cameras = {};
 
   static View camera() { return {}; }
   static View world() { return {ViewKind::kWorld, std::nullopt}; }
   static View world(float x, float y, float z) { return {ViewKind::kWorld, Eigen::Vector3f(x, y, z)}; }
-  /// Whether it is known where the sensor is.
-  bool has_sensor() const { return kind == ViewKind::kCamera || sensor.has_value(); }
+  static View of_cameras(std::vector<CameraPoints> seen_by) {
+    return {ViewKind::kWorld, std::nullopt, std::move(seen_by)};
+  }
+  /// Whether it is known where the sensor of each point is.
+  bool has_sensor() const { return kind == ViewKind::kCamera || sensor.has_value() || !cameras.empty(); }
   bool operator==(const View&) const = default;
 };
 
@@ -108,9 +127,13 @@ inline bool is_finite(float x, float y, float z) {
                            static_cast<int>(exponent(z) != kExponent));
 }
 
+/// What is wrong with the cameras of a view, or with their numbers of points if the cloud has so many; a sentence
+/// without its end, or nothing. A view without cameras has no such fault.
+std::optional<std::string> fault_of_cameras(const View& view, std::optional<std::size_t> points = std::nullopt);
+
 /// INVALID_ARGUMENT if the cloud is empty or has more than kMaxPoints, its planes differ in length,
-/// width * height is not its size, or the view contradicts itself. Coordinates are checked by the stage that reads them
-/// (Segmenter::segment).
+/// width * height is not its size, or the view contradicts itself or the number of points. Coordinates are checked by
+/// the stage that reads them (Segmenter::segment).
 absl::Status check_shape(const CloudView& cloud);
 
 }  // namespace segserve

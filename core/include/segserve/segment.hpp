@@ -29,8 +29,17 @@ struct StageTimings {
   double graph = 0;        ///< region features, region adjacency graph
   double merging = 0;      ///< weights and the merge tree
   double labels = 0;       ///< cut of the merge tree, labels of the points
+  double tracking = 0;     ///< ids of the segments over time, by whoever calls `track`
   double segments = 0;     ///< statistics of the segments, by `describe`
   double total = 0;
+};
+
+/// The place and appearance of a supervoxel, in the frame of the cloud.
+struct SupervoxelFeatures {
+  double voxels = 0;                                   ///< their number
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();  ///< mean of the centroids of the voxels, meters
+  Eigen::Vector3d color = Eigen::Vector3d::Zero();     ///< mean of (R, G, B) of the points, 0..255; 0 without color
+  bool operator==(const SupervoxelFeatures&) const = default;
 };
 
 /// A segmented cloud of N points and m supervoxels. A point is not segmented if it is not finite, if the crop box or
@@ -41,9 +50,11 @@ struct Segmentation {
   std::vector<std::uint32_t> supervoxels;  ///< N, input order; 0 = not segmented, 1..m
   MergeTree tree;                          ///< the whole hierarchy, which can be cut anew without segmenting again
   std::uint32_t segments = 0;              ///< number of segments
+  bool is_cut = true;                      ///< whether the segments are a cut of the tree at one height (see `apply`)
   /// Statistics of the kMostDescribedSegments largest segments, largest first. Empty unless `describe` sets them.
   std::vector<SegmentStatistics> statistics;
-  std::vector<Eigen::Vector3d> supervoxel_normals;  ///< m: sums of the unit normals of each supervoxel's voxels
+  std::vector<Eigen::Vector3d> supervoxel_normals;      ///< m: sums of the unit normals of each supervoxel's voxels
+  std::vector<SupervoxelFeatures> supervoxel_features;  ///< m: what `track` needs (segserve/tracking.hpp)
   std::size_t finite_points = 0;              ///< points that are finite, segmented or not; zero_points do not count
   std::size_t zero_points = 0;                ///< points at (0, 0, 0) in a CAMERA view: pixels without depth
   std::size_t points_beyond_grid = 0;         ///< finite points that were left out because they are beyond the grid
@@ -120,8 +131,8 @@ class Segmenter {
 absl::StatusOr<Segmentation> segment(const CloudView& cloud, const Options& options, const StopToken& stop = {});
 
 /// Sets the statistics of a segmentation of this cloud, and the time that this took. They have normals if the
-/// segmentation has those of its supervoxels. The segmentation does not change unless OK is returned. Errors are those
-/// of describe_segments.
+/// segmentation has those of its supervoxels, and thresholds if it has the tree. The segmentation does not change
+/// unless OK is returned. Errors are those of describe_segments.
 absl::Status describe(const CloudView& cloud, unsigned threads, const StopToken& stop, Segmentation& segmentation);
 
 }  // namespace segserve

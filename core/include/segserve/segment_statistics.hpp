@@ -10,6 +10,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
+#include "segserve/stability.hpp"
 #include "segserve/stop_token.hpp"
 
 namespace segserve {
@@ -34,17 +35,19 @@ struct SegmentStatistics {
   /// Direction of the sum of the unit normals of the segment's voxels; a unit vector. It is a mean over the surface,
   /// however densely each part of it was sampled. Unset if the voxels' normals are not known, or if they cancel out.
   std::optional<Eigen::Vector3d> normal;
+  /// The thresholds at which the merge tree has the segment, and so its stability. Unset if the tree is not known.
+  std::optional<ThresholdRange> thresholds;
   bool operator==(const SegmentStatistics&) const = default;
 };
 
-/// At most this many segments of a result are described, the largest ones. It bounds time and memory; only results of
+/// The most segments of a result that are described, the largest ones. It bounds time and memory; only results of
 /// thousands of fragments reach it.
 inline constexpr std::uint32_t kMostDescribedSegments = 10'000;
 
 /// Statistics of segments 1 .. `segments` of a cloud of N points; entry k - 1 describes segment k. `labels` (N) are as
 /// in Segmentation::labels; labels above `segments` are ignored. Passes over the points three times. The bytes of the
-/// result depend on neither the order of the points, the number of threads nor the CPU. Normals are not set: see
-/// set_normals. A segment without points has a box of no extent at the origin.
+/// result depend on neither the order of the points, the number of threads nor the CPU. Normals and thresholds are not
+/// set: see set_normals and `describe`. A segment without points has a box of no extent at the origin.
 ///
 /// INVALID_ARGUMENT if there are not N labels, more segments than points, or a point of a segment is not finite;
 /// CANCELLED, DEADLINE_EXCEEDED.

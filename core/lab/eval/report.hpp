@@ -38,8 +38,8 @@ struct Report {
 /// The scores of a second method on the same scenes.
 struct Peer {
   Report report;
-  /// What `compare` tells of both, the peer as B, on the scenes that both could segment. Empty if these are fewer than
-  /// two.
+  /// The differences that `compare` finds, with the peer as B, on the scenes that both could segment. Empty if these
+  /// are fewer than two.
   std::vector<PairedDifference> differences;
 };
 

@@ -9,12 +9,15 @@
 #include "core/base/status_text.hpp"
 #include "core/lab/eval/contingency.hpp"
 #include "core/lab/picture/picture.hpp"
+#include "core/lab/picture/segment_colors.hpp"
 
 namespace segserve::eval {
 namespace {
 
-absl::StatusOr<std::string> thumbnail(const CloudView& cloud, std::span<const std::uint32_t> labels) {
-  const picture::RenderOptions options{.width = kThumbnailWidth, .height = kThumbnailWidth * 3 / 4};
+/// `colors` are those of the picture beside it, too.
+absl::StatusOr<std::string> thumbnail(const CloudView& cloud, std::span<const std::uint32_t> labels,
+                                      picture::SegmentColors& colors) {
+  const picture::RenderOptions options{.width = kThumbnailWidth, .height = kThumbnailWidth * 3 / 4, .colors = &colors};
   return picture::encode_png(picture::shrink(picture::render(cloud, labels, options), kThumbnailWidth));
 }
 
@@ -60,8 +63,9 @@ absl::StatusOr<Thumbnails> make_thumbnails(const std::filesystem::path& path, co
   const auto partition = segment(scene.cloud);
   if (!partition.ok()) return with_prefix(path.string(), partition.status());
   Thumbnails pictures{path.filename().string(), {}, {}};
-  ASSIGN_OR_RETURN(pictures.truth, thumbnail(scene.cloud, scene.label));
-  ASSIGN_OR_RETURN(pictures.segments, thumbnail(scene.cloud, matching_labels(scene.label, partition->labels)));
+  picture::SegmentColors colors;
+  ASSIGN_OR_RETURN(pictures.truth, thumbnail(scene.cloud, scene.label, colors));
+  ASSIGN_OR_RETURN(pictures.segments, thumbnail(scene.cloud, matching_labels(scene.label, partition->labels), colors));
   return pictures;
 }
 

@@ -304,4 +304,11 @@ HouseholdObject random_hollow_object(Random& random) {
   return kMakers[random.below(kMakers.size())](random);
 }
 
+HouseholdObject random_compact_object(Random& random) {
+  using Maker = HouseholdObject (*)(Random&);
+  static constexpr std::array<Maker, 10> kMakers{cereal_box, cereal_box, small_carton, book, wooden_block,
+                                                 can,        tin,        bottle,       ball, fruit};
+  return kMakers[random.below(kMakers.size())](random);
+}
+
 }  // namespace segserve::synth

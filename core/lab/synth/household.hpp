@@ -23,4 +23,7 @@ HouseholdObject random_household_object(Random& random);
 /// without flaps, cables, flowerpots, pans.
 HouseholdObject random_hollow_object(Random& random);
 
+/// A random object without cavities and thin parts: boxes, books, wooden blocks, cans, tins, bottles, balls, fruit.
+HouseholdObject random_compact_object(Random& random);
+
 }  // namespace segserve::synth

@@ -31,6 +31,7 @@ struct SceneOptions {
   std::uint32_t objects = 8;   ///< 0 to 40. Fewer are placed when the table is full.
   double stacked = 0.25;       ///< Share of the objects that are placed on others, [0, 1].
   double clutter = 0.5;        ///< 0: spread over the table; 1: crowded, so that objects hide one another.
+  bool compact = false;        ///< Only objects without cavities and thin parts: boxes, books, cans, bottles, balls.
   bool hollow = false;         ///< Only hollow and thin objects: bowls, cups, mugs, open boxes, plates, cables.
   Sensor sensor = Sensor::kKinect1;
   double noise = 1.0;       ///< Factor on the noise of the sensor and of the colors, [0, 10].

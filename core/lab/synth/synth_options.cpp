@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/lab/synth/moving_tabletop.hpp"
 #include "core/lab/synth/scene.hpp"
 #include "fmt/format.h"
 
@@ -26,10 +27,7 @@ class Violations {
   std::string text_;
 };
 
-}  // namespace
-
-absl::Status check(const SceneOptions& options) {
-  Violations violations;
+void require_all(const SceneOptions& options, Violations& violations) {
   violations.require("width", options.width, 16, 4096);
   violations.require("height", options.height, 16, 4096);
   violations.require("objects", options.objects, 0, 40);
@@ -37,6 +35,25 @@ absl::Status check(const SceneOptions& options) {
   violations.require("clutter", options.clutter, 0, 1);
   violations.require("noise", options.noise, 0, 10);
   violations.require("distance", options.distance, 0.5, 3);
+  violations.require(!(options.hollow && options.compact), "hollow and compact exclude each other");
+}
+
+}  // namespace
+
+absl::Status check(const SceneOptions& options) {
+  Violations violations;
+  require_all(options, violations);
+  return violations.status();
+}
+
+absl::Status check(const MovingOptions& options) {
+  Violations violations;
+  require_all(options.scene, violations);
+  violations.require("rate", options.rate, 0.1, 120);
+  violations.require("frames", options.frames, 1, 100'000);
+  violations.require("camera_motion", options.camera_motion, 0, 5);
+  violations.require("moving", options.moving, 0, 40);
+  violations.require("speed", options.speed, 0, 2);
   return violations.status();
 }
 

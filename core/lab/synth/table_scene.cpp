@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/lab/synth/arrangement.hpp"
 
@@ -95,14 +96,30 @@ TableScene arrange_table(const SceneOptions& options) {
   const double spread = std::min(1.0, crowd * (1 - 0.45 * options.clutter));
   const Shelf shelf{translated({0, 0, 0}), 0.42 * spread + 0.03, 0.34 * spread + 0.03};
   const PlacementOptions placement{0.004 + 0.05 * (1 - options.clutter), options.stacked,
-                                   options.hollow ? random_hollow_object : random_household_object};
+                                   options.hollow    ? random_hollow_object
+                                   : options.compact ? random_compact_object
+                                                     : random_household_object};
   Arrangement arrangement;
-  place_objects(options.objects, shelf, placement, 20, random, arrangement, scene.world);
+  place_objects(options.objects, shelf, placement, kFirstObject, random, arrangement, scene.world);
+  scene.footprints = arrangement.occupied();
 
   const double side = random.uniform(-0.5, 0.5);
   scene.lighting.lamp = unit({side, random.uniform(-0.5, 0.2), 1});
   scene.lighting.window = unit({random.chance(0.5) ? 1.0 : -1.0, random.uniform(-0.6, 0.3), 0.5});
   return scene;
+}
+
+World shadow_casters(const World& world) {
+  World result;
+  std::copy_if(world.begin(), world.end(), std::back_inserter(result),
+               [](const Solid& solid) { return solid.label == kTable || solid.label >= 10; });
+  return result;
+}
+
+void remove_room(DepthImage& image) {
+  for (std::size_t i = 0; i < image.label.size(); ++i) {
+    if (image.label[i] > kTable && image.label[i] < 10) image.depth[i] = 0;
+  }
 }
 
 }  // namespace segserve::synth

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <iterator>
 #include <utility>
 
 #include "core/base/status_macros.hpp"
@@ -11,24 +9,6 @@
 #include "core/lab/synth/visible_parts.hpp"
 
 namespace segserve::synth {
-namespace {
-
-/// The table and the objects. Walls cast no shadows, because the lamp may be behind one.
-World shadow_casters(const World& world) {
-  World result;
-  std::copy_if(world.begin(), world.end(), std::back_inserter(result),
-               [](const Solid& solid) { return solid.label == kTable || solid.label >= 10; });
-  return result;
-}
-
-/// Removes the depth of everything but the table and the objects, because OSD's scenes have ground truth only there.
-void remove_room(DepthImage& image) {
-  for (std::size_t i = 0; i < image.label.size(); ++i) {
-    if (image.label[i] > kTable && image.label[i] < 10) image.depth[i] = 0;
-  }
-}
-
-}  // namespace
 
 absl::StatusOr<SyntheticScene> make_tabletop(const SceneOptions& options) {
   RETURN_IF_ERROR(check(options));

@@ -64,7 +64,7 @@ Peaks peaks_of(const Cloud& cloud, const Options& options) {
   most_allocated = before;
   std::uint64_t admitted = voxelization_bytes(cloud.size());
   const auto result = segmenter.segment(cloud, options, {}, [&](const FrameSize& size) {
-    // What was admitted before must have sufficed until now.
+    // The memory that was admitted before must have sufficed until now.
     EXPECT_LE(most_allocated - before, static_cast<std::int64_t>(admitted)) << size.voxels << " voxels so far";
     admitted = std::max(admitted, size.workspace_bytes);
     peaks.size = size;

@@ -32,7 +32,7 @@ Cloud camera_image(std::uint32_t width, std::uint32_t height) {
   return cloud;
 }
 
-/// The same points without rows, in random order.
+/// Returns the points without rows, in random order.
 Cloud shuffled(const Cloud& image, View view) {
   std::vector<std::uint32_t> order(image.size());
   for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;

@@ -21,7 +21,7 @@ constexpr std::uint32_t kFirstObject = 10;
 
 Options removal(double distance = 0.01) { return {.support_plane_distance = distance}; }
 
-/// Which share of the points has label 0, for several kinds of points.
+/// The share of the points that has label 0, for several kinds of points.
 struct Removed {
   double support = 0;
   double objects = 0;

@@ -25,6 +25,7 @@ namespace segserve::codec {
 ///  - tables of numbers in text: XYZ, PTS, CSV and their like, with or without the names of the columns
 ///  - the vertices of OBJ
 ///  - arrays of NumPy: NPY, and NPZ with members that are stored or deflated
+///  - sweeps of a LiDAR without a header, as KITTI and nuScenes have them
 ///  - each of these compressed with gzip or zstd
 ///
 /// INVALID_ARGUMENT names what is wrong with the file. It also names other formats that are known, and says what to do
@@ -52,7 +53,7 @@ absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptio
 /// it fails; the file may then be incomplete. Messages begin with the path.
 absl::Status save_cloud(const std::string& path, const FileContent& content,
                         FileEncoding encoding = FileEncoding::kBinary);
-/// The same for a cloud and its labels: one entry per point, or none.
+/// Does the same for a cloud and its labels: one entry per point, or none.
 absl::Status save_cloud(const std::string& path, const CloudView& cloud, std::span<const std::uint32_t> label,
                         FileEncoding encoding = FileEncoding::kBinary);
 

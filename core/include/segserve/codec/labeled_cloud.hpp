@@ -30,7 +30,7 @@ struct LabeledCloud {
   std::string format;                 ///< for people: the format of the file, e.g. "PCD"; set by decode_cloud
 };
 
-/// What a file is written from: N points with their labels and other values. It owns nothing.
+/// The content of a file that is to be written: N points with their labels and other values. It owns nothing.
 struct FileContent {
   CloudView cloud = {};                        ///< the coordinates are those of the file, unless `position` has them
   std::span<const std::uint32_t> label = {};   ///< N, or empty if there are no labels

@@ -58,7 +58,7 @@ absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const 
 ///
 /// A body of 4 GiB or more does not fit into binary_compressed, and is written as binary.
 std::string encode_pcd(const FileContent& content, PcdEncoding encoding);
-/// The same for a cloud and its labels: one entry per point, or none.
+/// Does the same for a cloud and its labels: one entry per point, or none.
 std::string encode_pcd(const CloudView& cloud, std::span<const std::uint32_t> label, PcdEncoding encoding);
 
 }  // namespace segserve::codec

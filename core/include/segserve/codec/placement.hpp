@@ -6,6 +6,7 @@
 
 #include "segserve/cloud.hpp"
 #include "segserve/options.hpp"
+#include "segserve/prompts.hpp"
 #include "segserve/segment.hpp"
 
 namespace segserve::codec {
@@ -35,10 +36,16 @@ struct Placement {
 /// points.
 Options to_cloud(const Placement& placement, Options options);
 
-/// Moves the sensor of a view, which is in meters along the axes of the file, with the points, and back. A view without
-/// a sensor position stays as it is.
+/// Moves the sensor of a view, or its cameras, which are in meters along the axes of the file, with the points, and
+/// back. A view without a sensor position stays as it is.
 View to_cloud(const Placement& placement, View view);
 View to_file(const Placement& placement, View view);
+
+/// Moves the positions of prompts, which are in the coordinates of the file, with the points.
+Prompts to_cloud(const Placement& placement, Prompts prompts);
+
+/// Expresses what was selected in the file's coordinates.
+void to_file(const Placement& placement, PromptedSelection& selected);
 
 /// Expresses the statistics of a segment in the file's coordinates.
 void to_file(const Placement& placement, SegmentStatistics& segment);

@@ -44,7 +44,7 @@ absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const 
 /// tells the view. The rows and columns of an organized cloud are lost. Names of attributes are changed as by
 /// encode_pcd.
 std::string encode_ply(const FileContent& content, PlyEncoding encoding);
-/// The same for a cloud and its labels: one entry per point, or none.
+/// Does the same for a cloud and its labels: one entry per point, or none.
 std::string encode_ply(const CloudView& cloud, std::span<const std::uint32_t> label, PlyEncoding encoding);
 
 }  // namespace segserve::codec

@@ -8,7 +8,7 @@
 
 namespace segserve::codec {
 
-/// What the reader of a file knows better than the file.
+/// The facts that the reader of a file knows better than the file.
 struct ReadOptions {
   /// Where the sensor is, in meters along the axes of the file. Unset: as the file says, or as its points make plain
   /// (see LabeledCloud::view_rule).

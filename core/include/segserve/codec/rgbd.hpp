@@ -42,11 +42,11 @@ struct RgbdImages {
   std::string_view color;
   double depth_scale = 0;  ///< meters per unit of depth
   Intrinsics intrinsics;   ///< of the depth image
-  /// Those of the color image; unset if both images show the same part of the scene.
+  /// The intrinsics of the color image; unset if both images show the same part of the scene.
   std::optional<Intrinsics> color_intrinsics = std::nullopt;
 };
 
-/// What the first bytes of a depth image claim.
+/// The format that the first bytes of a depth image claim.
 struct DepthFormat {
   std::uint32_t width = 0;
   std::uint32_t height = 0;

@@ -67,6 +67,17 @@ TEST(HouseholdTest, HollowObjectsLieWithinTheBoxTheyDeclare) {
   }
 }
 
+TEST(HouseholdTest, CompactObjectsLieWithinTheBoxTheyDeclare) {
+  Random random(9);
+  for (int i = 0; i < 400; ++i) {
+    SCOPED_TRACE(i);
+    const HouseholdObject object = random_compact_object(random);
+    expect_within_declared_box(object, random);
+    if (HasFatalFailure()) return;
+    EXPECT_GE(std::max({2 * object.half_x, 2 * object.half_y, object.height}), 0.04);
+  }
+}
+
 TEST(StreetThingsTest, ThingsLieWithinTheBoxTheyDeclare) {
   Random random(9);
   for (int i = 0; i < 100; ++i) {
