@@ -31,15 +31,46 @@ constexpr std::array<UnitNumber, 6> kUnits{{
     {codec::LengthUnit::kAuto, v1::LENGTH_UNIT_AUTO},
 }};
 
+v1::Position position_message(const Eigen::Vector3f& position) {
+  v1::Position message;
+  message.set_x(position.x());
+  message.set_y(position.y());
+  message.set_z(position.z());
+  return message;
+}
+
+/// Adds what is wrong with the cameras of a view that is WORLD but for that.
+std::vector<CameraPoints> read_cameras(const v1::View& message, std::vector<FieldViolation>& faults) {
+  std::vector<CameraPoints> cameras;
+  if (static_cast<std::size_t>(message.cameras_size()) > kMostCameras) {
+    faults.push_back({"cloud.view.cameras", fmt::format("there are {} cameras, but at most {} are possible",
+                                                        message.cameras_size(), kMostCameras)});
+    return cameras;
+  }
+  cameras.reserve(static_cast<std::size_t>(message.cameras_size()));
+  for (const v1::CameraPoints& camera : message.cameras()) {
+    if (!camera.has_sensor()) {
+      faults.push_back({fmt::format("cloud.view.cameras[{}].sensor", cameras.size()), "is missing"});
+    }
+    const v1::Position& sensor = camera.sensor();
+    cameras.push_back({camera.points(), {sensor.x(), sensor.y(), sensor.z()}});
+  }
+  if (auto fault = fault_of_cameras(View::of_cameras(cameras))) {
+    faults.push_back({"cloud.view.cameras", std::move(*fault)});
+  }
+  return cameras;
+}
+
 }  // namespace
 
 v1::View to_message(const View& view) {
   v1::View message;
   message.set_kind(view.kind == ViewKind::kCamera ? v1::VIEW_KIND_CAMERA : v1::VIEW_KIND_WORLD);
-  if (view.sensor) {
-    message.mutable_sensor()->set_x(view.sensor->x());
-    message.mutable_sensor()->set_y(view.sensor->y());
-    message.mutable_sensor()->set_z(view.sensor->z());
+  if (view.sensor) *message.mutable_sensor() = position_message(*view.sensor);
+  for (const CameraPoints& camera : view.cameras) {
+    v1::CameraPoints& added = *message.add_cameras();
+    added.set_points(camera.points);
+    *added.mutable_sensor() = position_message(camera.sensor);
   }
   return message;
 }
@@ -54,6 +85,15 @@ std::optional<codec::LengthUnit> from_message(v1::LengthUnit message) {
 
 std::optional<View> from_message(const v1::View& message, std::vector<FieldViolation>& faults) {
   const v1::Position& sensor = message.sensor();
+  if (message.cameras_size() > 0) {
+    if (message.kind() != v1::VIEW_KIND_WORLD) {
+      faults.push_back({"cloud.view.cameras", "are given, but only a WORLD view may have cameras"});
+    } else if (message.has_sensor()) {
+      faults.push_back({"cloud.view.cameras", "are given, but so is cloud.view.sensor"});
+    } else {
+      return View::of_cameras(read_cameras(message, faults));
+    }
+  }
   switch (message.kind()) {
     case v1::VIEW_KIND_UNSPECIFIED:
       if (message.has_sensor()) faults.push_back({"cloud.view.kind", "is missing, but cloud.view.sensor is given"});
@@ -134,6 +174,10 @@ std::optional<View> read_fields(const v1::Cloud& message, std::vector<FieldViola
   if (needs->shape && message.height() == 0) {
     faults.push_back({"cloud.height", fmt::format("is 0, but {} needs at least one row", needs->name)});
   }
+  const std::uint64_t points = std::uint64_t{message.width()} * message.height();
+  if (view && points > 0 && faults.empty()) {
+    if (auto fault = fault_of_cameras(*view, points)) faults.push_back({"cloud.view.cameras", std::move(*fault)});
+  }
   if (message.has_rgbd() && message.unit() != v1::LENGTH_UNIT_UNSPECIFIED) {
     faults.push_back({"cloud.unit", "is given, but RGB-D images have a depth_scale instead"});
   } else if (!from_message(message.unit())) {
@@ -141,6 +185,17 @@ std::optional<View> read_fields(const v1::Cloud& message, std::vector<FieldViola
   }
   check_error_bound(message, faults);
   return view;
+}
+
+/// The cloud, unless the cameras of its view have another number of points. Payloads with a shape of their own tell it
+/// only now.
+absl::StatusOr<DecodedCloud> with_checked_cameras(absl::StatusOr<DecodedCloud> decoded) {
+  if (!decoded.ok()) return decoded;
+  const CloudView& cloud = decoded->cloud;
+  if (auto fault = fault_of_cameras(cloud.view, cloud.size())) {
+    return invalid_fields({{"cloud.view.cameras", std::move(*fault)}});
+  }
+  return decoded;
 }
 
 /// The cloud in meters.
@@ -161,12 +216,10 @@ std::vector<FieldViolation> violations(const v1::Cloud& message) {
   return faults;
 }
 
-absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
-                                          const StopToken& stop) {
-  std::vector<FieldViolation> faults;
-  const std::optional<View> view = read_fields(message, faults);
-  RETURN_IF_ERROR(invalid_fields(faults));
-  RETURN_IF_ERROR(check_kind(message, limits));
+namespace {
+
+absl::StatusOr<DecodedCloud> decode_payload(const v1::Cloud& message, const std::optional<View>& view,
+                                            const codec::DecodeLimits& limits, const StopToken& stop) {
   const codec::LengthUnit unit = *from_message(message.unit());
   switch (message.payload_case()) {
     case v1::Cloud::kPlanar:
@@ -185,6 +238,17 @@ absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec:
       break;  // read_fields has refused it.
   }
   return absl::InternalError("the cloud has no payload");
+}
+
+}  // namespace
+
+absl::StatusOr<DecodedCloud> decode_cloud(const v1::Cloud& message, const codec::DecodeLimits& limits,
+                                          const StopToken& stop) {
+  std::vector<FieldViolation> faults;
+  const std::optional<View> view = read_fields(message, faults);
+  RETURN_IF_ERROR(invalid_fields(faults));
+  RETURN_IF_ERROR(check_kind(message, limits));
+  return with_checked_cameras(decode_payload(message, view, limits, stop));
 }
 
 }  // namespace segserve::wire

@@ -94,6 +94,11 @@ std::string_view name(v1::PayloadKind kind) {
   return found == kKinds.end() ? "unknown" : found->name;
 }
 
+v1::PayloadKind kind_of(const v1::Cloud& message) {
+  const auto* found = std::ranges::find(kKinds, message.payload_case(), &KindName::member);
+  return found == kKinds.end() ? v1::PAYLOAD_KIND_UNSPECIFIED : found->kind;
+}
+
 std::vector<v1::PayloadKind> accepted_kinds(const codec::DecodeLimits& limits) {
   std::vector<v1::PayloadKind> accepted;
   for (const KindName& entry : kKinds) {

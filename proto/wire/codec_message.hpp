@@ -18,7 +18,7 @@
 // them.
 namespace segserve::wire {
 
-/// What there is to know about a codec.
+/// The name and the properties of a codec.
 struct CodecInfo {
   Codec codec;
   std::string_view name;  ///< its name on the command line, e.g. "planar-zstd"
@@ -41,6 +41,9 @@ absl::StatusOr<v1::Cloud> to_message(const CloudView& cloud, const CodecOptions&
 
 /// The name of a kind of payload, as the field of v1.Cloud is called, e.g. "pcd_file"; "unknown" for other numbers.
 std::string_view name(v1::PayloadKind kind);
+
+/// The kind of the payload of a message; PAYLOAD_KIND_UNSPECIFIED if it has none.
+v1::PayloadKind kind_of(const v1::Cloud& message);
 
 /// The kinds of payload that decode_cloud accepts under these limits.
 std::vector<v1::PayloadKind> accepted_kinds(const codec::DecodeLimits& limits);

@@ -10,7 +10,9 @@
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
+#include "proto/wire/prompts_message.hpp"
 #include "proto/wire/status_message.hpp"
+#include "proto/wire/track_message.hpp"
 
 namespace segserve::wire {
 namespace {
@@ -88,6 +90,8 @@ absl::StatusOr<ParsedRequest> parse_request(const v1::SegmentRequest& request, c
   check_cloud(request.has_cloud(), request.cloud(), faults);
   ParsedRequest parsed{from_message(request.options(), defaults, faults),
                        request.has_outputs() ? parse_outputs(request.outputs()) : Outputs()};
+  if (request.has_prompts()) parsed.prompts = from_message(request.prompts(), faults);
+  if (request.has_tracking()) parsed.tracking = from_message(request.tracking(), faults);
   RETURN_IF_ERROR(invalid_fields(faults));
   return parsed;
 }
@@ -117,6 +121,8 @@ absl::StatusOr<ParsedRequest> parse_frame(const v1::FrameHeader& header, const P
   ParsedRequest parsed = stream;
   if (header.has_options()) parsed.options = from_message(header.options(), defaults, faults);
   if (header.has_outputs()) parsed.outputs = parse_outputs(header.outputs());
+  if (header.has_prompts()) parsed.prompts = from_message(header.prompts(), faults);
+  if (header.has_tracking()) parsed.tracking = from_message(header.tracking(), faults);
   RETURN_IF_ERROR(invalid_fields(faults));
   return parsed;
 }

@@ -14,6 +14,7 @@ std::vector<std::string*> result_blocks(v1::SegmentationResult& message) {
     }
     blocks.push_back(tree.mutable_weight()->mutable_data());
   }
+  if (message.has_selected()) blocks.push_back(message.mutable_selected()->mutable_data()->mutable_data());
   return blocks;
 }
 
@@ -28,6 +29,7 @@ std::vector<std::uint64_t> result_block_sizes(const v1::SegmentationResult& mess
     }
     sizes.push_back(tree.weight().encoded_bytes());
   }
+  if (message.has_selected()) sizes.push_back(message.selected().data().encoded_bytes());
   return sizes;
 }
 

@@ -10,8 +10,10 @@
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/integers_message.hpp"
 #include "proto/wire/options_message.hpp"
+#include "proto/wire/prompts_message.hpp"
 #include "proto/wire/segment_message.hpp"
 #include "proto/wire/status_message.hpp"
+#include "proto/wire/track_message.hpp"
 #include "proto/wire/tree_message.hpp"
 
 namespace segserve::wire {
@@ -75,7 +77,7 @@ std::string too_sparse(const Segmentation& segmentation, const Resolution& used)
                             fitting, fitting * used.seed / used.voxel);
 }
 
-/// What should be known about points that were left out, and about a resolution that does not fit.
+/// Warns of points that were left out, and of a resolution that does not fit.
 std::vector<codec::Warning> warnings_of(const Segmentation& segmentation) {
   using codec::WarningReason;
   std::vector<codec::Warning> warnings;
@@ -115,6 +117,7 @@ void fill_timings(const CallTimings& call, const StageTimings& stages, v1::Timin
   timings.set_merging_ms(stages.merging);
   timings.set_labels_ms(stages.labels);
   timings.set_segments_ms(stages.segments);
+  timings.set_tracking_ms(stages.tracking);
 }
 
 v1::Resolution resolution_message(const Resolution& resolution) {
@@ -162,8 +165,9 @@ void read_timings(const v1::Timings& from, CallTimings& call, StageTimings& stag
   stages.merging = from.merging_ms();
   stages.labels = from.labels_ms();
   stages.segments = from.segments_ms();
+  stages.tracking = from.tracking_ms();
   stages.total = stages.voxels + stages.normals + stages.supervoxels + stages.graph + stages.merging + stages.labels +
-                 stages.segments;
+                 stages.tracking + stages.segments;
 }
 
 absl::Status check_numbers(const v1::ResultSummary& summary, std::size_t points) {
@@ -195,6 +199,7 @@ absl::StatusOr<Result> read_summary(const v1::ResultSummary& summary, std::size_
   std::vector<FieldViolation> faults;
   const std::optional<View> view = from_message(summary.view(), faults);
   if (!view || !faults.empty()) return malformed("the result does not say which view was used");
+  if (const auto fault = fault_of_cameras(*view, points)) return malformed("the view of the result: " + *fault);
   const std::optional<Method> method = from_message(summary.method());
   if (!method) return malformed("the result does not say which method was used");
 
@@ -252,6 +257,7 @@ void take_payload_facts(const codec::Placement& placement, const std::vector<cod
   result.placement = placement;
   result.view = codec::to_file(placement, result.view);
   codec::to_file(placement, result.segmentation);
+  if (result.selection) codec::to_file(placement, *result.selection);
 }
 
 absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Outputs& outputs) {
@@ -269,6 +275,13 @@ absl::StatusOr<v1::SegmentationResult> to_message(const Result& result, const Ou
     ASSIGN_OR_RETURN(*message.mutable_tree(), to_message(segmentation.tree, compression));
   }
   if (outputs.segments) *message.mutable_segments() = to_message(segmentation.statistics);
+  if (result.selection) {
+    *message.mutable_selection() = to_message(*result.selection);
+    if (outputs.labels) {
+      ASSIGN_OR_RETURN(*message.mutable_selected(), to_message(result.selection->labels, compression));
+    }
+  }
+  if (result.tracks) *message.mutable_tracking() = to_message(*result.tracks);
   return message;
 }
 
@@ -294,6 +307,15 @@ absl::StatusOr<Result> from_message(const v1::SegmentationResult& message, std::
   if (message.has_tree()) {
     ASSIGN_OR_RETURN(segmentation.tree,
                      from_message(message.tree(), result.supervoxels, segmentation.segmented_points));
+  }
+  if (message.has_selection()) {
+    ASSIGN_OR_RETURN(result.selection, from_message(message.selection(), points, result.supervoxels));
+    if (message.has_selected()) {
+      ASSIGN_OR_RETURN(result.selection->labels, from_message(message.selected(), points, 1, "selected"));
+    }
+  }
+  if (message.has_tracking()) {
+    ASSIGN_OR_RETURN(result.tracks, from_message(message.tracking(), segmentation.segments));
   }
   return result;
 }

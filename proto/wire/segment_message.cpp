@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kUnitTolerance = 1e-6;
 
-v1::Vector3 to_message(const Eigen::Vector3d& v) {
+v1::Vector3 vector_message(const Eigen::Vector3d& v) {
   v1::Vector3 message;
   message.set_x(v.x());
   message.set_y(v.y());
@@ -24,7 +24,7 @@ v1::Vector3 to_message(const Eigen::Vector3d& v) {
   return message;
 }
 
-Eigen::Vector3d from_message(const v1::Vector3& message) { return {message.x(), message.y(), message.z()}; }
+Eigen::Vector3d read_vector(const v1::Vector3& message) { return {message.x(), message.y(), message.z()}; }
 
 bool is_between(const Eigen::Vector3d& v, double low, double high) {
   return v.allFinite() && v.minCoeff() >= low && v.maxCoeff() <= high;
@@ -39,32 +39,15 @@ bool is_rotation(const Eigen::Matrix3d& axes) {
          is_near(axes.col(0).dot(axes.col(1)), 0) && is_near(axes.col(0).cross(axes.col(1)).dot(axes.col(2)), 1);
 }
 
-v1::Segment to_message(const SegmentStatistics& segment) {
-  v1::Segment message;
-  message.set_points(segment.points);
-  *message.mutable_centroid() = to_message(segment.centroid);
-  v1::OrientedBox& box = *message.mutable_box();
-  *box.mutable_center() = to_message(segment.box.center);
-  for (int k = 0; k < 3; ++k) *box.add_axes() = to_message(segment.box.axes.col(k));
-  *box.mutable_half_extents() = to_message(segment.box.half_extents);
-  if (segment.color) {
-    message.mutable_color()->set_red(segment.color->x());
-    message.mutable_color()->set_green(segment.color->y());
-    message.mutable_color()->set_blue(segment.color->z());
-  }
-  if (segment.normal) *message.mutable_normal() = to_message(*segment.normal);
-  return message;
-}
-
 SegmentStatistics read(const v1::Segment& message) {
   SegmentStatistics segment;
   segment.points = message.points();
-  segment.centroid = from_message(message.centroid());
-  segment.box.center = from_message(message.box().center());
-  for (int k = 0; k < 3; ++k) segment.box.axes.col(k) = from_message(message.box().axes(k));
-  segment.box.half_extents = from_message(message.box().half_extents());
+  segment.centroid = read_vector(message.centroid());
+  segment.box.center = read_vector(message.box().center());
+  for (int k = 0; k < 3; ++k) segment.box.axes.col(k) = read_vector(message.box().axes(k));
+  segment.box.half_extents = read_vector(message.box().half_extents());
   if (message.has_color()) segment.color = {message.color().red(), message.color().green(), message.color().blue()};
-  if (message.has_normal()) segment.normal = from_message(message.normal());
+  if (message.has_normal()) segment.normal = read_vector(message.normal());
   return segment;
 }
 
@@ -80,20 +63,53 @@ std::string_view fault_of(const SegmentStatistics& segment) {
   return {};
 }
 
-/// The statistics of segment `label`, checked by themselves.
-absl::StatusOr<SegmentStatistics> read_checked(const v1::Segment& message, std::size_t label) {
+}  // namespace
+
+v1::ThresholdRange to_message(const ThresholdRange& range) {
+  v1::ThresholdRange message;
+  message.set_lower(range.from);
+  message.set_upper(range.to);
+  return message;
+}
+
+std::optional<ThresholdRange> from_message(const v1::ThresholdRange& message) {
+  const ThresholdRange range{message.lower(), message.upper()};
+  const bool is_good = range.from >= 0 && range.from <= range.to && range.to <= 1;  // false for NaN
+  return is_good ? std::optional(range) : std::nullopt;
+}
+
+v1::Segment to_message(const SegmentStatistics& segment) {
+  v1::Segment message;
+  message.set_points(segment.points);
+  *message.mutable_centroid() = vector_message(segment.centroid);
+  v1::OrientedBox& box = *message.mutable_box();
+  *box.mutable_center() = vector_message(segment.box.center);
+  for (int k = 0; k < 3; ++k) *box.add_axes() = vector_message(segment.box.axes.col(k));
+  *box.mutable_half_extents() = vector_message(segment.box.half_extents);
+  if (segment.color) {
+    message.mutable_color()->set_red(segment.color->x());
+    message.mutable_color()->set_green(segment.color->y());
+    message.mutable_color()->set_blue(segment.color->z());
+  }
+  if (segment.normal) *message.mutable_normal() = vector_message(*segment.normal);
+  if (segment.thresholds) *message.mutable_thresholds() = to_message(*segment.thresholds);
+  return message;
+}
+
+absl::StatusOr<SegmentStatistics> from_message(const v1::Segment& message, std::string_view name) {
   if (message.box().axes_size() != 3) {
-    return malformed(
-        fmt::format("segment {}: box.axes: has {} axes, but must have 3", label, message.box().axes_size()));
+    return malformed(fmt::format("{}: box.axes: has {} axes, but must have 3", name, message.box().axes_size()));
   }
   SegmentStatistics segment = read(message);
   if (const std::string_view fault = fault_of(segment); !fault.empty()) {
-    return malformed(fmt::format("segment {}: {}", label, fault));
+    return malformed(fmt::format("{}: {}", name, fault));
+  }
+  if (message.has_thresholds()) {
+    segment.thresholds = from_message(message.thresholds());
+    if (!segment.thresholds) return malformed(fmt::format("{}: thresholds: must be ascending in [0, 1]", name));
   }
   return segment;
 }
-
-}  // namespace
 
 SegmentMessages to_message(std::span<const SegmentStatistics> statistics) {
   SegmentMessages messages;
@@ -113,7 +129,7 @@ absl::StatusOr<std::vector<SegmentStatistics>> from_message(const SegmentMessage
   std::uint64_t points = 0;
   for (const v1::Segment& message : messages) {
     const std::size_t label = statistics.size() + 1;
-    ASSIGN_OR_RETURN(const SegmentStatistics segment, read_checked(message, label));
+    ASSIGN_OR_RETURN(const SegmentStatistics segment, from_message(message, fmt::format("segment {}", label)));
     if (label > 1 && segment.points > statistics.back().points) {
       return malformed(
           fmt::format("segment {}: points: is {}, more than in the segment before", label, segment.points));

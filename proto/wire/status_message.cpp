@@ -17,10 +17,10 @@ constexpr std::string_view kDomain = "segserve";
 constexpr std::string_view kAnyPrefix = "type.googleapis.com/";
 
 // The names are in the order of the enum.
-constexpr std::array<std::string_view, 13> kReasonNames{
-    "UNSPECIFIED", "INVALID_FIELD",  "MALFORMED_PAYLOAD", "INVALID_CLOUD", "LIMIT_EXCEEDED",
-    "QUEUE_FULL",  "DRAINING",       "DEADLINE_EXCEEDED", "CANCELLED",     "INTERNAL",
-    "CHECKSUM",    "UPLOAD_STALLED", "PROTOCOL_VIOLATION"};
+constexpr std::array<std::string_view, 17> kReasonNames{
+    "UNSPECIFIED",        "INVALID_FIELD",     "MALFORMED_PAYLOAD", "INVALID_CLOUD", "LIMIT_EXCEEDED", "QUEUE_FULL",
+    "DRAINING",           "DEADLINE_EXCEEDED", "CANCELLED",         "INTERNAL",      "CHECKSUM",       "UPLOAD_STALLED",
+    "PROTOCOL_VIOLATION", "TOKEN_MISSING",     "TOKEN_INVALID",     "TOKEN_EXPIRED", "QUOTA_EXCEEDED"};
 
 /// The type URL of a kind of detail. Both google.protobuf.Any and absl::Status keep details under it.
 template <typename Message>
@@ -63,6 +63,8 @@ ErrorReason implied_reason(absl::StatusCode code) {
       return ErrorReason::kCancelled;
     case absl::StatusCode::kAborted:
       return ErrorReason::kChecksum;
+    case absl::StatusCode::kUnauthenticated:
+      return ErrorReason::kTokenInvalid;
     default:
       return ErrorReason::kInternal;
   }
@@ -115,6 +117,17 @@ absl::Status with_details(absl::Status status, const ErrorDetails& details) {
     put(status, bad_request);
   }
 
+  status.ErasePayload(type_url<google::rpc::QuotaFailure>());
+  if (!details.quotas.empty()) {
+    google::rpc::QuotaFailure failure;
+    for (const QuotaViolation& quota : details.quotas) {
+      auto* violation = failure.add_violations();
+      violation->set_subject(quota.subject);
+      violation->set_description(quota.description);
+    }
+    put(status, failure);
+  }
+
   status.ErasePayload(type_url<google::rpc::RetryInfo>());
   if (details.retry_delay) {
     google::rpc::RetryInfo retry;
@@ -142,6 +155,11 @@ ErrorDetails details_of(const absl::Status& status) {
   if (const auto bad_request = get<google::rpc::BadRequest>(status)) {
     for (const auto& violation : bad_request->field_violations()) {
       details.fields.push_back({violation.field(), violation.description()});
+    }
+  }
+  if (const auto failure = get<google::rpc::QuotaFailure>(status)) {
+    for (const auto& violation : failure->violations()) {
+      details.quotas.push_back({violation.subject(), violation.description()});
     }
   }
   if (const auto retry = get<google::rpc::RetryInfo>(status)) {
@@ -178,14 +196,21 @@ absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std:
                     {"actual", fmt::format("{}", actual)}}});
 }
 
+absl::Status as_told(const absl::Status& status) {
+  if (status.ok()) return status;
+  const absl::StatusCode code = is_in_api(status.code()) ? status.code() : absl::StatusCode::kInternal;
+  absl::Status told(code, status.message());
+  status.ForEachPayload([&told](absl::string_view url, const absl::Cord& bytes) { told.SetPayload(url, bytes); });
+  return with_reason(std::move(told), implied_reason(code));
+}
+
 google::rpc::Status to_message(const absl::Status& status) {
   google::rpc::Status message;
   if (status.ok()) return message;
-  const absl::StatusCode code = is_in_api(status.code()) ? status.code() : absl::StatusCode::kInternal;
-  const absl::Status full = with_reason(status, implied_reason(code));
-  message.set_code(static_cast<int>(code));
-  message.set_message(std::string(full.message()));
-  full.ForEachPayload([&message](absl::string_view url, const absl::Cord& bytes) {
+  const absl::Status told = as_told(status);
+  message.set_code(static_cast<int>(told.code()));
+  message.set_message(std::string(told.message()));
+  told.ForEachPayload([&message](absl::string_view url, const absl::Cord& bytes) {
     google::protobuf::Any* detail = message.add_details();
     detail->set_type_url(std::string(url));
     detail->set_value(std::string(bytes));

@@ -39,8 +39,11 @@ absl::Status invalid_fields(const std::vector<FieldViolation>& fields);
 absl::Status limit_exceeded(std::string_view subject, std::uint64_t actual, std::string_view unit,
                             std::string_view limit, std::uint64_t allowed);
 
-/// The message of a status with its details, as a stream carries it. A status without a reason gets the one that its
-/// code implies. A code that the API does not list becomes INTERNAL.
+/// The status as a client sees it: one without a reason gets the one that its code implies, and a code that the API
+/// does not list becomes INTERNAL.
+absl::Status as_told(const absl::Status& status);
+
+/// The message of as_told(status) with its details, as a stream carries it.
 google::rpc::Status to_message(const absl::Status& status);
 
 /// The status of a message: its code, its text, and the details of the types in google/rpc/error_details.proto. Details

@@ -16,8 +16,9 @@ inline constexpr int kServerReceiveBytes = 9 << 20;
 /// million points.
 inline constexpr int kClientReceiveBytes = 64 << 20;
 
-/// The window of HTTP/2's flow control on both sides: the bytes that the other side may send ahead. A fixed window
-/// keeps gRPC from probing for one, whose pings delay frames. It suffices for 100 Mbit/s over a round trip of 300 ms.
+/// The window of HTTP/2's flow control with which a stream begins, on both sides: the bytes that the other side may
+/// send ahead. gRPC makes the window of the connection, which has 64 KiB at first, as large as bandwidth and round trip
+/// ask for; without its probes, a round trip of 100 ms would leave 5 Mbit/s (test/e2e/test_impaired_link.py).
 inline constexpr int kFlowControlBytes = 4 << 20;
 
 }  // namespace segserve::wire

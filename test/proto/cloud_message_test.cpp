@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -40,6 +41,17 @@ std::vector<std::string> wrong_fields(const v1::Cloud& message) {
   std::vector<std::string> fields;
   for (const FieldViolation& fault : violations(message)) fields.push_back(fault.field);
   return fields;
+}
+
+/// Two points that are so far from the origin that they are moved.
+Cloud far_away() {
+  Cloud cloud;
+  cloud.x = {5000, 5001};
+  cloud.y = {0, 8};
+  cloud.z = {0, 0};
+  cloud.width = 2;
+  cloud.height = 1;
+  return cloud;
 }
 
 v1::Cloud planar() { return to_planar_message(small_cloud(), v1::COMPRESSION_NONE).value(); }
@@ -138,6 +150,75 @@ TEST(WireCloud, JudgesTheView) {
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
   message.mutable_view()->set_kind(static_cast<v1::ViewKind>(9));
   EXPECT_THAT(wrong_fields(message), testing::ElementsAre("cloud.view.kind"));
+}
+
+/// The small cloud as two cameras see it.
+Cloud seen_by_two() {
+  Cloud cloud = small_cloud();
+  const auto points = static_cast<std::uint32_t>(cloud.size());
+  cloud.view = View::of_cameras({{1, {1, 2, 3}}, {points - 1, {-1, -2, -3}}});
+  return cloud;
+}
+
+TEST(WireCloud, CarriesTheCamerasOfEveryPayload) {
+  const Cloud cloud = seen_by_two();
+  for (const Codec codec : {Codec::kPlanar, Codec::kPlanarZstd, Codec::kStrided, Codec::kPcd, Codec::kQuantised}) {
+    const auto message = to_message(cloud, {.codec = codec});
+    ASSERT_TRUE(message.ok()) << message.status();
+    EXPECT_THAT(wrong_fields(*message), testing::IsEmpty());
+    const auto decoded = decode_cloud(*message, kLimits);
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    EXPECT_EQ(decoded->cloud->view, cloud.view);
+  }
+}
+
+TEST(WireCloud, JudgesTheCameras) {
+  const auto faults = [](const std::function<void(v1::View&)>& change) {
+    v1::Cloud message = to_planar_message(seen_by_two(), v1::COMPRESSION_NONE).value();
+    change(*message.mutable_view());
+    return wrong_fields(message);
+  };
+  const auto cameras_are_wrong = testing::ElementsAre("cloud.view.cameras");
+  EXPECT_THAT(faults([](v1::View&) {}), testing::IsEmpty());
+  EXPECT_THAT(faults([](v1::View& view) { view.mutable_cameras(0)->set_points(2); }), cameras_are_wrong);
+  EXPECT_THAT(faults([](v1::View& view) { view.mutable_cameras(0)->set_points(0); }), cameras_are_wrong);
+  EXPECT_THAT(faults([](v1::View& view) { view.mutable_cameras(1)->set_points(0xffffffffU); }), cameras_are_wrong);
+  EXPECT_THAT(faults([](v1::View& view) { view.mutable_cameras(1)->mutable_sensor()->set_x(INFINITY); }),
+              cameras_are_wrong);
+  EXPECT_THAT(faults([](v1::View& view) { view.mutable_cameras(1)->clear_sensor(); }),
+              testing::ElementsAre("cloud.view.cameras[1].sensor"));
+  EXPECT_THAT(faults([](v1::View& view) { view.mutable_sensor()->set_x(1); }), cameras_are_wrong);
+  EXPECT_THAT(faults([](v1::View& view) { view.set_kind(v1::VIEW_KIND_CAMERA); }), cameras_are_wrong);
+  EXPECT_THAT(faults([](v1::View& view) {
+                for (int i = 0; i < 63; ++i) *view.add_cameras() = view.cameras(0);
+              }),
+              cameras_are_wrong);
+}
+
+TEST(WireCloud, CamerasMustFitAPayloadThatTellsItsShapeLate) {
+  v1::Cloud message = to_message(seen_by_two(), {.codec = Codec::kPcd}).value();
+  message.set_width(0);
+  message.set_height(0);
+  EXPECT_TRUE(decode_cloud(message, kLimits).ok());
+  message.mutable_view()->mutable_cameras(0)->set_points(7);
+  EXPECT_THAT(wrong_fields(message), testing::IsEmpty()) << "only the file tells";
+  const absl::Status refused = decode_cloud(message, kLimits).status();
+  EXPECT_EQ(details_of(refused).reason, ErrorReason::kInvalidField);
+  EXPECT_THAT(std::string(refused.message()), HasSubstr("points together, but the cloud has"));
+}
+
+TEST(WireCloud, CamerasMoveWithPointsThatAreFarAway) {
+  Cloud far = far_away();
+  far.view = View::of_cameras({{1, {5000, 0, 1}}, {1, {5000, 8, 1}}});
+  const v1::Cloud message = to_message(far, {.codec = Codec::kStrided}).value();
+  const auto decoded = decode_cloud(message, kLimits);
+  ASSERT_TRUE(decoded.ok()) << decoded.status();
+  const Eigen::Vector3d offset = decoded->placement.offset;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const Eigen::Vector3d moved = decoded->cloud->view.cameras[c].sensor.cast<double>() + offset;
+    EXPECT_TRUE(moved.isApprox(far.view.cameras[c].sensor.cast<double>())) << moved.transpose();
+  }
+  EXPECT_EQ(codec::to_file(decoded->placement, decoded->cloud->view), far.view);
 }
 
 TEST(WireCloud, RefusesPlanesOfAnotherLengthByName) {

@@ -20,6 +20,7 @@ absl::Status full_status() {
   return with_details(absl::ResourceExhaustedError("full"), {.reason = ErrorReason::kQueueFull,
                                                              .metadata = {{"limit", "max_queue"}},
                                                              .fields = {{"a.b", "wrong"}, {"c", "too"}},
+                                                             .quotas = {{"subject:a", "frames_per_second is 1"}},
                                                              .retry_delay = std::chrono::milliseconds(1500)});
 }
 
@@ -39,6 +40,9 @@ TEST(WireStatus, EveryDetailSurvivesTheWire) {
   ASSERT_EQ(details.fields.size(), 2U);
   EXPECT_EQ(details.fields[0].field, "a.b");
   EXPECT_EQ(details.fields[1].description, "too");
+  ASSERT_EQ(details.quotas.size(), 1U);
+  EXPECT_EQ(details.quotas[0].subject, "subject:a");
+  EXPECT_EQ(details.quotas[0].description, "frames_per_second is 1");
   EXPECT_EQ(details.retry_delay, std::chrono::milliseconds(1500));
 }
 

@@ -27,7 +27,7 @@ absl::StatusOr<Decoded> with_decode_reason(absl::StatusOr<Decoded> decoded) {
   return decoded;
 }
 
-/// What codec::decode_pcd and others return, as this layer has it.
+/// Converts the result of codec::decode_pcd and others into this layer's type.
 DecodedCloud decoded_cloud(codec::LabeledCloud&& decoded);
 
 /// The number of points of the shape that the message gives, which cannot overflow.

@@ -29,18 +29,31 @@ enum class ErrorReason : std::uint8_t {
   kChecksum,
   kUploadStalled,
   kProtocolViolation,
+  kTokenMissing,
+  kTokenInvalid,
+  kTokenExpired,
+  kQuotaExceeded,
 };
 
 /// The name of a reason as google.rpc.ErrorInfo writes it, e.g. "QUEUE_FULL".
 std::string_view name(ErrorReason reason);
 
+/// A quota that stands in the way.
+struct QuotaViolation {
+  std::string subject;      ///< whose quota, e.g. "subject:robot-7"
+  std::string description;  ///< which one, for people
+};
+
 /// The details of an error beyond its code and message, for programs.
 struct ErrorDetails {
   ErrorReason reason = ErrorReason::kUnspecified;
-  /// Further facts by name. kLimitExceeded and kQueueFull have "limit", "allowed" and "actual".
+  /// Further facts by name. kLimitExceeded and kQueueFull have "limit", "allowed" and "actual", kQuotaExceeded
+  /// has "limit" and "allowed".
   std::map<std::string, std::string> metadata = {};
   /// Every wrong field of the request, by its path, e.g. "options.lambda". kInvalidField has at least one.
   std::vector<FieldViolation> fields = {};
+  /// The quotas of kQuotaExceeded, at least one.
+  std::vector<QuotaViolation> quotas = {};
   /// How long to wait before the next attempt, from 0 to one day. It is unset unless the server suggests a delay.
   std::optional<std::chrono::milliseconds> retry_delay = std::nullopt;
 };

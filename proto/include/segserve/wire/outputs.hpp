@@ -11,7 +11,7 @@ enum class Compression : std::uint8_t {
   kZstd,  ///< each array as a Zstandard frame, if that makes it smaller
 };
 
-/// Which arrays an answer holds besides its summary. N is the number of points.
+/// The arrays of an answer besides its summary. N is the number of points.
 struct Outputs {
   bool labels = true;                            ///< the segment of each point: Segmentation::labels, N values
   bool supervoxels = false;                      ///< the supervoxel of each point: Segmentation::supervoxels, N values

@@ -11,7 +11,9 @@
 #include "segserve/codec/placement.hpp"
 #include "segserve/codec/warning.hpp"
 #include "segserve/options.hpp"
+#include "segserve/prompts.hpp"
 #include "segserve/segment.hpp"
+#include "segserve/wire/tracks.hpp"
 
 namespace segserve::wire {
 
@@ -37,9 +39,15 @@ struct Result {
   View view;                             ///< the view in which the cloud was segmented, in the payload's frame
   std::string view_rule;                 ///< one line for people that says why it was this view
   std::vector<codec::Warning> warnings;  ///< what the payload or file has that was not used, or is probably wrong
-  /// From the coordinates of the payload or file to those in which it was segmented. The statistics are in those of the
-  /// payload or file.
+  /// The placement from the coordinates of the payload or file to those in which it was segmented. The statistics are
+  /// in those of the payload or file.
   codec::Placement placement;
+  /// The selection by the prompts of the request, in the coordinates of the payload. Unset without prompts, or if the
+  /// server is too old to know them. From a server, its labels are empty unless labels were asked for.
+  std::optional<PromptedSelection> selection;
+  /// The ids of the segments over time, if they were asked for. The segments need not be a cut of the tree at one
+  /// height.
+  std::optional<Tracks> tracks;
   CallTimings timings;
   std::string server_version;    ///< version of the program that computed the result, e.g. "0.1.0"
   std::string options_hash;      ///< 16 hexadecimal digits; a hash of all options that decide results
