@@ -30,6 +30,13 @@ std::vector<CLI::App*> commands_of(CLI::App& app) {
   return app.get_subcommands([](CLI::App*) { return true; });
 }
 
+/// The command that was given, or the command of that command, and so on.
+CLI::App& chosen_below(CLI::App& app) {
+  CLI::App* chosen = &app;
+  while (!chosen->get_subcommands().empty()) chosen = chosen->get_subcommands().front();
+  return *chosen;
+}
+
 std::string joined(const std::vector<std::string>& parts, std::string_view separator) {
   std::string text;
   for (const std::string& part : parts) text += fmt::format("{}{}", text.empty() ? "" : separator, part);
@@ -41,31 +48,30 @@ bool is_option(std::string_view word) {
   return word.size() > 1 && word[0] == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0 && word[1] != '.';
 }
 
-/// What CLI11 says of a value of this option, in our words.
-std::string fault_of_value(const CLI::Option& option, const CLI::ParseError& error) {
+/// "info, warn" of "Check loud value in {info->2,warn->3} OR {2,3} FAILED", which CLI11 says of a transformed value.
+std::optional<std::string> allowed_words(const std::string& text) {
+  const std::size_t begin = text.find(" value in {"), end = text.find('}', begin);
+  if (begin == std::string::npos || end == std::string::npos) return std::nullopt;
+  const std::size_t first = text.find('{', begin) + 1;
+  std::vector<std::string> words = CLI::detail::split(text.substr(first, end - first), ',');
+  for (std::string& word : words) word.erase(std::min(word.find("->"), word.size()));
+  return joined(words, ", ");
+}
+
+/// Puts into our words what CLI11 says of a value of this option on the command line.
+std::string fault_of_flag(const CLI::Option& option, const CLI::ParseError& error) {
   const std::string name = option.get_name();
-  const std::string type = option.get_type_name();
-  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
-    const bool too_many = static_cast<int>(option.count()) > option.get_items_expected_max();
-    return too_many ? fmt::format("{} is given more than once", name) : fmt::format("{} needs {} after it", name, type);
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) == nullptr) {
+    return fmt::format("{}: {}", name, fault_of_values(option, error));
   }
-  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && option.get_items_expected_max() > 0) {
-    const bool is_whole = type.starts_with("INT") || type.starts_with("UINT");
-    const std::string value = joined(option.results(), " ");
-    const bool has_digits_only =
-        !value.empty() && std::ranges::all_of(value, [](unsigned char c) { return std::isdigit(c); });
-    if (has_digits_only) return fmt::format("{}: {} is too large", name, value);
-    return fmt::format("{}: '{}' is no {}number", name, value, is_whole ? "whole " : "");
-  }
-  // "--workers: Value 0 not in range 1 to 8"
-  std::string text = CLI::detail::find_and_replace(error.what(), ": Value ", ": ");
-  return CLI::detail::find_and_replace(std::move(text), " not in ", " is not in ");
+  const bool too_many = static_cast<int>(option.count()) > option.get_items_expected_max();
+  return too_many ? fmt::format("{} is given more than once", name)
+                  : fmt::format("{} needs {} after it", name, option.get_type_name());
 }
 
 class UsageFaults {
  public:
-  explicit UsageFaults(CLI::App& app)
-      : app_(app), command_(app.get_subcommands().empty() ? app : *app.get_subcommands().front()) {}
+  explicit UsageFaults(CLI::App& app) : app_(app), command_(chosen_below(app)) {}
 
   std::string tell(const CLI::ParseError& error) {
     find_unknown();
@@ -78,7 +84,14 @@ class UsageFaults {
  private:
   bool has_command() const { return &app_ != &command_; }
 
-  std::string path() const { return has_command() ? app_.get_name() + " " + command_.get_name() : app_.get_name(); }
+  /// For example "segctl bench show".
+  std::string path() const {
+    std::string names = command_.get_name();
+    for (const CLI::App* command = command_.get_parent(); command != nullptr; command = command->get_parent()) {
+      names.insert(0, command->get_name() + " ");
+    }
+    return names;
+  }
 
   void add(std::string fault) {
     if (std::ranges::find(faults_, fault) == faults_.end()) faults_.push_back(std::move(fault));
@@ -93,7 +106,9 @@ class UsageFaults {
       words.erase(command, words.end());  // These would be the arguments of the command.
     }
     find_unknown(words);
-    if (has_command()) find_unknown(command_.remaining());
+    for (const CLI::App* command = &command_; command != &app_; command = command->get_parent()) {
+      find_unknown(command->remaining());
+    }
   }
 
   void find_unknown(const std::vector<std::string>& words) {
@@ -145,12 +160,12 @@ class UsageFaults {
       const std::string what = error.what();
       const bool ended_parsing =
           dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr && what.starts_with(option->get_name() + ":");
-      if (ended_parsing) add(fault_of_value(*option, error));
+      if (ended_parsing) add(fault_of_flag(*option, error));
       if (ended_parsing || option->count() == 0) continue;
       try {
         option->run_callback();
       } catch (const CLI::ParseError& fault) {
-        add(fault_of_value(*option, fault));
+        add(fault_of_flag(*option, fault));
       }
     }
   }
@@ -180,6 +195,30 @@ class UsageFaults {
 };
 
 }  // namespace
+
+std::string fault_of_values(const CLI::Option& option, const CLI::ParseError& error) {
+  const std::string name = option.get_name();
+  const std::string type = option.get_type_name();
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr && option.get_items_expected_max() > 0) {
+    const bool is_whole = type.starts_with("INT") || type.starts_with("UINT");
+    const std::string value = joined(option.results(), " ");
+    const bool has_digits_only =
+        !value.empty() && std::ranges::all_of(value, [](unsigned char c) { return std::isdigit(c); });
+    if (has_digits_only) return fmt::format("{} is too large", value);
+    return fmt::format("'{}' is no {}number", value, is_whole ? "whole " : "");
+  }
+  std::string text = error.what();
+  if (const std::optional<std::string> words = allowed_words(text)) {
+    return fmt::format("'{}' is none of {}", joined(option.results(), " "), *words);
+  }
+  if (text.find(" unit not recognized") != std::string::npos) {
+    return fmt::format("'{}' is no number of bytes, such as 4GiB", joined(option.results(), " "));
+  }
+  // "--workers: Value 0 not in range 1 to 8"
+  if (text.starts_with(name + ": ")) text.erase(0, name.size() + 2);
+  if (text.starts_with("Value ")) text.erase(0, 6);
+  return CLI::detail::find_and_replace(std::move(text), " not in ", " is not in ");
+}
 
 std::string usage_faults(CLI::App& app, const CLI::ParseError& error) { return UsageFaults(app).tell(error); }
 

@@ -7,6 +7,10 @@
 
 namespace segserve {
 
+/// Puts into our words what CLI11 says of the values of an option, without the name of the option: "'many' is no whole
+/// number".
+std::string fault_of_values(const CLI::Option& option, const CLI::ParseError& error);
+
 /// Everything that is wrong with the command line that `app` has refused with `error`, in one line: an unknown command
 /// or unknown options, with the names that may have been meant; values that are no numbers or out of range; options
 /// that are missing or do not go together. CLI11 itself tells the first of them only. The line ends with the command

@@ -26,7 +26,7 @@ class Program {
     app_.add_subcommand("print", "")->add_option("--copies", copies_);
   }
 
-  /// What is wrong with these arguments; empty if nothing is.
+  /// Tells what is wrong with these arguments; empty if nothing is.
   std::string faults(std::vector<std::string> arguments) {
     try {
       app_.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
