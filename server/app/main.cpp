@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <pthread.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -15,98 +14,108 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "fmt/format.h"
-#include "grpc/support/log.h"
+#include "server/app/announcement.hpp"
 #include "server/app/flags.hpp"
+#include "server/app/frame_reporter.hpp"
+#include "server/app/signals.hpp"
 #include "server/listener/file_descriptors.hpp"
 #include "server/listener/listener_watch.hpp"
+#include "server/log/program_log.hpp"
 #include "server/memory/memory_return.hpp"
 #include "server/options/listen_address.hpp"
 #include "server/server.hpp"
-#include "server/version.hpp"
-#include "spdlog/sinks/stdout_color_sinks.h"
 #include "spdlog/spdlog.h"
 
 namespace {
 
 constexpr int kNotStoppedInTime = 3;
 constexpr int kDeaf = 4;
-// What stopping may take beyond the grace period.
+// The time that stopping may take beyond the grace period.
 constexpr std::chrono::milliseconds kStopTime{1800};
+// The last lines of the log may take so long when the process is ended.
+constexpr std::chrono::milliseconds kLastLines{200};
 
-/// Blocks the signals that stop the server, for this thread and every thread that it starts from now on.
-sigset_t block_stop_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signals;
-}
-
-/// Sends gRPC's own lines to our log as debug lines, because gRPC calls everything an error.
-void log_grpc(gpr_log_func_args* line) { spdlog::debug("grpc: {}:{}: {}", line->file, line->line, line->message); }
-
-void start_logging(spdlog::level::level_enum level) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("segserve"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
-  spdlog::set_level(level);
-  gpr_set_log_function(log_grpc);
-}
-
-/// Writes the file in one step, so that a program that waits for it never reads half of it.
+/// Writes the file in one step, so that a program that waits for it never reads half of it. Does nothing without a
+/// path.
 bool write_port_file(const std::string& path, int port) {
+  if (path.empty()) return true;
   const std::string temporary = path + ".tmp";
   std::ofstream(temporary) << port << '\n';
   std::error_code error;
   std::filesystem::rename(temporary, path, error);
+  if (error) fmt::print(stderr, "segserve: cannot write the port to {}\n", path);
   return !error;
 }
 
 /// Ends the process if it has not stopped in time, for example because a call hangs within gRPC.
-void end_process_after(std::chrono::milliseconds time, int exit_code) {
-  std::thread([time, exit_code] {
+void end_process_after(std::chrono::milliseconds time, int exit_code, segserve::server::ProgramLog& log) {
+  std::thread([time, exit_code, &log] {
     std::this_thread::sleep_for(time);
     spdlog::critical("not stopped within {} ms: ending the process", time.count());
+    log.flush(kLastLines);
     std::_Exit(exit_code);
   }).detach();
 }
 
 /// Null if the flags do not want a watch.
-std::unique_ptr<segserve::server::ListenerWatch> watch_listener(const segserve::server::Flags& flags, int port,
-                                                                std::function<void()> on_deaf) {
-  auto address = segserve::server::parse_listen_address(flags.server.listen);
-  if (flags.listener_check == std::chrono::milliseconds(0) || !address.ok()) return nullptr;
-  return std::make_unique<segserve::server::ListenerWatch>(*std::move(address), port, flags.listener_check,
-                                                           std::move(on_deaf));
+std::unique_ptr<segserve::server::ListenerWatch> watch_listeners(const segserve::server::Flags& flags,
+                                                                 const segserve::server::Server& server,
+                                                                 std::function<void()> on_deaf) {
+  if (flags.listener_check == std::chrono::milliseconds(0)) return nullptr;
+  std::vector<segserve::server::WatchedListener> listeners;
+  const auto add = [&listeners](const std::string& text, int port) {
+    auto address = segserve::server::parse_listen_address(text);
+    if (address.ok()) listeners.push_back({*std::move(address), port});
+  };
+  add(flags.server.listen, server.port());
+  if (!flags.server.health_listen.empty()) add(flags.server.health_listen, server.health_port());
+  if (!flags.server.http.empty()) add(flags.server.http, server.http_port());
+  return std::make_unique<segserve::server::ListenerWatch>(listeners, flags.listener_check, std::move(on_deaf));
 }
 
-int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
-  absl::StatusOr<std::unique_ptr<segserve::server::Server>> server = segserve::server::Server::start(flags.server);
+/// The time that the last traces may take after the last frame.
+std::chrono::milliseconds time_for_traces(const segserve::server::Flags& flags) {
+  return flags.otlp_endpoint.empty() ? std::chrono::milliseconds(0) : segserve::server::ExportPace().flush_time;
+}
+
+int serve(const segserve::server::Flags& flags, const sigset_t& signals, segserve::server::ProgramLog& log) {
+  auto reporter = segserve::server::make_reporter(flags);
+  if (!reporter.ok()) {
+    fmt::print(stderr, "segserve: {}\n", std::string(reporter.status().message()));
+    return 1;
+  }
+  absl::StatusOr<std::unique_ptr<segserve::server::Server>> server =
+      segserve::server::Server::start(flags.server, segserve::server::core_backend_factory(),
+                                      segserve::server::ServiceObservers({*std::move(reporter)}));
   if (!server.ok()) {
     fmt::print(stderr, "segserve: {}\n", std::string(server.status().message()));
     return 1;
   }
-  if (!flags.port_file.empty() && !write_port_file(flags.port_file, (*server)->port())) {
-    fmt::print(stderr, "segserve: cannot write the port to {}\n", flags.port_file);
-    return 1;
-  }
-  spdlog::info("segserve {} serves on {}", segserve::server::kVersion, (*server)->address());
+  if (!write_port_file(flags.health_port_file, (*server)->health_port())) return 1;
+  if (!write_port_file(flags.metrics_port_file, (*server)->metrics_port())) return 1;
+  if (!write_port_file(flags.http_port_file, (*server)->http_port())) return 1;
+  if (!write_port_file(flags.port_file, (*server)->port())) return 1;
+  segserve::server::announce(**server, flags);
 
   std::atomic<bool> is_deaf{false};
   int signal = 0;
   {
-    const auto watch = watch_listener(flags, (*server)->port(), [&is_deaf] {
+    const auto watch = watch_listeners(flags, **server, [&is_deaf, &server] {
       is_deaf = true;
+      (*server)->set_alive(false);
       kill(getpid(), SIGTERM);
     });
-    sigwait(&stop_signals, &signal);
-    end_process_after(flags.server.grace_period + kStopTime, is_deaf ? kDeaf : kNotStoppedInTime);
+    signal = segserve::server::wait_for_stop(signals, log);
+    end_process_after(flags.server.grace_period + kStopTime + time_for_traces(flags),
+                      is_deaf ? kDeaf : kNotStoppedInTime, log);
   }
   if (is_deaf) spdlog::critical("the server accepts no connections any more; another process has to take over");
-  spdlog::info("{}: stopping, {} calls in flight", sigabbrev_np(signal), (*server)->calls());
+  segserve::server::announce_stop(**server, signal);
   (*server)->stop();
+  server->reset();  // sends the last traces, and tells what was refused
   spdlog::info("stopped");
   return is_deaf ? kDeaf : 0;
 }
@@ -114,11 +123,19 @@ int serve(const segserve::server::Flags& flags, const sigset_t& stop_signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const sigset_t stop_signals = block_stop_signals();
   segserve::server::keep_freed_memory();
   segserve::server::raise_file_descriptor_limit();
-  const auto flags = segserve::server::parse_flags(argc, argv);
-  if (const int* exit_code = std::get_if<int>(&flags)) return *exit_code;
-  start_logging(std::get<segserve::server::Flags>(flags).log_level);
-  return serve(std::get<segserve::server::Flags>(flags), stop_signals);
+  const auto parsed = segserve::server::parse_flags(argc, argv);
+  if (const int* exit_code = std::get_if<int>(&parsed)) return *exit_code;
+  const auto& flags = std::get<segserve::server::Flags>(parsed);
+  if (flags.check_only) {
+    fmt::print("OK\n");
+    return 0;
+  }
+  // Only now, so that SIGTERM ends a program whose settings take long to read.
+  const sigset_t signals = segserve::server::block_signals();
+  segserve::server::ProgramLog log(flags.log_format, flags.log_level);
+  const int exit_code = serve(flags, signals, log);
+  log.finish(exit_code);
+  return exit_code;
 }

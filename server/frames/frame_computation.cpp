@@ -12,8 +12,10 @@
 #include "fmt/format.h"
 #include "proto/wire/cloud_message.hpp"
 #include "proto/wire/options_message.hpp"
+#include "proto/wire/prompts_message.hpp"
 #include "proto/wire/result_message.hpp"
 #include "proto/wire/status_message.hpp"
+#include "proto/wire/track_message.hpp"
 #include "server/version.hpp"
 
 namespace segserve::server {
@@ -21,22 +23,39 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+std::uint64_t decoded_bytes(const CloudView& cloud) {
+  return cloud.x.size_bytes() + cloud.y.size_bytes() + cloud.z.size_bytes() + cloud.rgb.size_bytes();
+}
+
 double milliseconds(Clock::duration duration) { return std::chrono::duration<double, std::milli>(duration).count(); }
 
+/// The labels of what was selected, in core and encoded.
+constexpr std::uint64_t kSelectionBytesPerPoint = 6;
+
+/// The ids of the segments come before their statistics, because the segments may become others. What this needs fits
+/// into the memory that the segmentation had, most of which is free again by then.
 absl::StatusOr<Segmentation> segment_decoded(const wire::DecodedCloud& decoded, const FrameSettings& settings,
-                                             const StopToken& stop, SegmentationBackend& backend, FrameMemory& memory) {
+                                             const StopToken& stop, SegmentationBackend& backend, FrameMemory& memory,
+                                             std::optional<wire::Tracks>& tracks) {
   const CloudView& cloud = decoded.cloud;
   const Options options = codec::to_cloud(decoded.placement, settings.options);
   RETURN_IF_ERROR(memory.voxelize(cloud.size()));
   RETURN_IF_ERROR(wire::invalid_fields(wire::violations_in_view(options, cloud.view)));
   RETURN_IF_ERROR(stop.check());
-  absl::StatusOr<Segmentation> segmentation =
-      backend.segment(cloud, options, stop, [&memory](const FrameSize& size) { return memory.segment(size); });
+  const std::uint64_t bytes_per_point =
+      settings.answer_bytes_per_point + (settings.prompts ? kSelectionBytesPerPoint : 0);
+  absl::StatusOr<Segmentation> segmentation = backend.segment(cloud, options, stop, [&](FrameSize size) {
+    size.workspace_bytes += bytes_per_point * size.points;
+    return memory.segment(size);
+  });
   // The options were checked before, so an invalid argument can only be the cloud.
   if (absl::IsInvalidArgument(segmentation.status())) {
     return wire::with_reason(segmentation.status(), wire::ErrorReason::kInvalidCloud);
   }
   RETURN_IF_ERROR(segmentation.status());
+  if (settings.tracking) {
+    ASSIGN_OR_RETURN(tracks, wire::follow(*settings.tracking, cloud.view, stop, *segmentation));
+  }
   if (settings.outputs.segments) RETURN_IF_ERROR(describe(cloud, settings.options.threads, stop, *segmentation));
   RETURN_IF_ERROR(stop.check());
   return segmentation;
@@ -57,7 +76,7 @@ std::optional<std::uint64_t> excess(const absl::Status& status, const std::strin
 /// Decodes within the memory that it has leased. A payload may be larger than it seemed, such as a compressed PCD file
 /// of which the request does not tell the number of points: it is decoded again with what it turned out to need, or
 /// with twice as much if that fits, so that few attempts are needed.
-absl::StatusOr<wire::DecodedCloud> decode_within(const v1::Cloud& payload, const FrameSettings& settings,
+absl::StatusOr<wire::DecodedCloud> decode_within(const DecodePayload& decode, const FrameSettings& settings,
                                                  const StopToken& stop, FrameMemory& memory) {
   constexpr std::uint64_t kScratchPerPoint = 32, kLeastPoints = 4096;
   const codec::DecodeLimits& most = settings.decode_limits;
@@ -66,7 +85,7 @@ absl::StatusOr<wire::DecodedCloud> decode_within(const v1::Cloud& payload, const
   limits.max_bytes = std::min(most.max_bytes, std::max(memory.bytes(), kScratchPerPoint * limits.max_points));
   while (true) {
     RETURN_IF_ERROR(memory.decode(limits.max_points, limits.max_bytes));
-    absl::StatusOr<wire::DecodedCloud> decoded = wire::decode_cloud(payload, limits, stop);
+    absl::StatusOr<wire::DecodedCloud> decoded = decode(limits, stop);
     if (decoded.ok()) return decoded;
     const auto points = excess(decoded.status(), "max_points"), bytes = excess(decoded.status(), "max_decoded_bytes");
     if (points && limits.max_points < most.max_points) {
@@ -94,40 +113,68 @@ absl::Status took_too_long(std::chrono::milliseconds max_time) {
                     {"allowed", fmt::format("{:g}", std::chrono::duration<double>(max_time).count())}}});
 }
 
-absl::StatusOr<v1::SegmentationResult> compute_until(const v1::Cloud& payload, const FrameSettings& settings,
-                                                     const StopToken& stop, SegmentationBackend& backend,
-                                                     FrameMemory& memory) {
-  const Clock::time_point decode_start = Clock::now();
+absl::Status compute_until(const DecodePayload& decode, const EncodeResult& encode, const FrameSettings& settings,
+                           const StopToken& stop, SegmentationBackend& backend, FrameMemory& memory, FrameWork& work) {
+  const Clock::time_point decode_start = *(work.started = Clock::now());
   RETURN_IF_ERROR(stop.check());
-  ASSIGN_OR_RETURN(wire::DecodedCloud decoded, decode_within(payload, settings, stop, memory));
-  const Clock::time_point decode_end = Clock::now();
+  ASSIGN_OR_RETURN(wire::DecodedCloud decoded, decode_within(decode, settings, stop, memory));
+  const Clock::time_point decode_end = *(work.decoded = Clock::now());
+  work.points = decoded.cloud->size();
+  work.decoded_bytes = decoded_bytes(decoded.cloud);
 
-  ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded, settings, stop, backend, memory));
+  std::optional<wire::Tracks> tracks;
+  ASSIGN_OR_RETURN(Segmentation segmentation, segment_decoded(decoded, settings, stop, backend, memory, tracks));
 
-  const Clock::time_point encode_start = Clock::now();
+  ASSIGN_OR_RETURN(auto selection, wire::select_by_prompts(decoded.cloud, decoded.placement, segmentation,
+                                                           settings.options, settings.outputs, settings.prompts, stop));
+
+  const Clock::time_point encode_start = *(work.segmented = Clock::now());
+  work.stages = segmentation.timings;
+  work.voxels = segmentation.voxels;
+  work.segments = segmentation.segments;
   wire::Result result =
       wire::make_result(std::move(segmentation), decoded.cloud, settings.options, decoded.view_rule, kVersion);
+  result.selection = std::move(selection);
   wire::take_payload_facts(decoded.placement, decoded.warnings, result);
+  result.tracks = std::move(tracks);
+  work.supervoxels = result.supervoxels;
   result.timings.queue = milliseconds(decode_start - settings.arrival);
   result.timings.decode = milliseconds(decode_end - decode_start);
-  ASSIGN_OR_RETURN(v1::SegmentationResult message, wire::to_message(result, settings.outputs));
-  const Clock::time_point encode_end = Clock::now();
-  wire::set_final_timings(message, milliseconds(encode_end - encode_start),
-                          milliseconds(encode_end - settings.arrival));
-  memory.keep_result(message.ByteSizeLong());
-  return message;
+  result.timings.total = milliseconds(encode_start - settings.arrival);
+  ASSIGN_OR_RETURN(const std::uint64_t bytes, encode(result, decoded.cloud));
+  work.encoded = Clock::now();
+  memory.keep_result(bytes);
+  return absl::OkStatus();
 }
 
 }  // namespace
 
-absl::StatusOr<v1::SegmentationResult> compute_frame(const v1::Cloud& payload, const FrameSettings& settings,
-                                                     const std::atomic<bool>& cancelled, SegmentationBackend& backend,
-                                                     FrameMemory& memory) {
+absl::Status compute_frame(const DecodePayload& decode, const EncodeResult& encode, const FrameSettings& settings,
+                           const std::atomic<bool>& cancelled, SegmentationBackend& backend, FrameMemory& memory,
+                           FrameWork& work) {
   const Clock::time_point latest = Clock::now() + settings.max_time;
   const Clock::time_point end = std::min(latest, settings.deadline.value_or(latest));
-  auto result = compute_until(payload, settings, StopToken(&cancelled, end), backend, memory);
-  if (absl::IsDeadlineExceeded(result.status()) && end == latest) return took_too_long(settings.max_time);
-  return result;
+  const absl::Status status =
+      compute_until(decode, encode, settings, StopToken(&cancelled, end), backend, memory, work);
+  return absl::IsDeadlineExceeded(status) && end == latest ? took_too_long(settings.max_time) : status;
+}
+
+absl::StatusOr<v1::SegmentationResult> compute_frame(const v1::Cloud& payload, const FrameSettings& settings,
+                                                     const std::atomic<bool>& cancelled, SegmentationBackend& backend,
+                                                     FrameMemory& memory, FrameWork& work) {
+  const DecodePayload decode = [&payload](const codec::DecodeLimits& limits, const StopToken& stop) {
+    return wire::decode_cloud(payload, limits, stop);
+  };
+  v1::SegmentationResult message;
+  const EncodeResult encode = [&](const wire::Result& result, const CloudView&) -> absl::StatusOr<std::uint64_t> {
+    const Clock::time_point start = Clock::now();
+    ASSIGN_OR_RETURN(message, wire::to_message(result, settings.outputs));
+    const Clock::time_point done = Clock::now();
+    wire::set_final_timings(message, milliseconds(done - start), milliseconds(done - settings.arrival));
+    return message.ByteSizeLong();
+  };
+  RETURN_IF_ERROR(compute_frame(decode, encode, settings, cancelled, backend, memory, work));
+  return message;
 }
 
 }  // namespace segserve::server

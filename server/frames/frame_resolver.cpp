@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "core/base/status_macros.hpp"
 #include "proto/wire/codec_message.hpp"
@@ -51,6 +52,11 @@ absl::StatusOr<FrameSettings> FrameResolver::resolve_call(const v1::SegmentReque
   return settings(parsed, arrival, deadline, estimate);
 }
 
+FrameSettings FrameResolver::resolve_file(wire::ParsedRequest request, std::uint64_t bytes, Time arrival,
+                                          std::optional<Time> deadline) const {
+  return settings(std::move(request), arrival, deadline, points_of_bytes(bytes));
+}
+
 absl::StatusOr<wire::ParsedRequest> FrameResolver::resolve_stream(const v1::StreamOpen& open) const {
   return wire::parse_open(open, default_options_);
 }
@@ -81,6 +87,8 @@ FrameSettings FrameResolver::settings(wire::ParsedRequest request, Time arrival,
   request.options.threads = std::min(request.options.threads, max_threads_);
   return {.options = request.options,
           .outputs = request.outputs,
+          .prompts = std::move(request.prompts),
+          .tracking = std::move(request.tracking),
           .decode_limits = decode_limits_,
           .arrival = arrival,
           .deadline = deadline,

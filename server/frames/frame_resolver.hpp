@@ -14,7 +14,7 @@
 
 namespace segserve::server {
 
-/// What this server decodes. GetServerInfo advertises it, and FrameResolver gives it to every frame.
+/// The limits of what this server decodes. GetServerInfo advertises them, and FrameResolver gives them to every frame.
 codec::DecodeLimits decode_limits(const ServerOptions& options);
 
 /// The only place where the settings of frames come from: it joins what a request says, what its stream says, and what
@@ -30,7 +30,14 @@ class FrameResolver {
   absl::StatusOr<FrameSettings> resolve_call(const v1::SegmentRequest& request, Time arrival,
                                              std::optional<Time> deadline) const;
 
-  /// What frames of this stream get that do not say it themselves.
+  /// Settings of a frame whose request and payload, of so many bytes, are no messages of the API. `request` is valid.
+  FrameSettings resolve_file(wire::ParsedRequest request, std::uint64_t bytes, Time arrival,
+                             std::optional<Time> deadline) const;
+
+  /// How a call is segmented that sets no options.
+  const Options& default_options() const { return default_options_; }
+
+  /// Resolves the parameters of those frames of this stream that do not bring their own.
   absl::StatusOr<wire::ParsedRequest> resolve_stream(const v1::StreamOpen& open) const;
 
   /// Settings of a frame of a stream. A frame's own options go on top of the server's defaults; its deadline is the end

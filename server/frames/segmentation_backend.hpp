@@ -9,8 +9,8 @@
 
 namespace segserve::server {
 
-/// What the service needs of core; a test can put something else in its place. Every worker has an object of its own,
-/// which only that worker's thread uses.
+/// The part of core that the service needs; a test can put something else in its place. Every worker has an object of
+/// its own, which only that worker's thread uses.
 class SegmentationBackend {
  public:
   virtual ~SegmentationBackend() = default;

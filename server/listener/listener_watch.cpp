@@ -29,32 +29,41 @@ void warn_of_few_descriptors(bool& warned) {
 
 }  // namespace
 
-ListenerWatch::ListenerWatch(ListenAddress address, int port, std::chrono::milliseconds interval,
+ListenerWatch::ListenerWatch(const std::vector<WatchedListener>& listeners, std::chrono::milliseconds interval,
                              std::function<void()> on_deaf)
-    : address_(std::move(address)),
-      port_(port),
-      patience_(std::min(interval, kMostPatience)),
+    : patience_(std::min(interval, kMostPatience)),
       on_deaf_(std::move(on_deaf)),
+      listeners_(watched(listeners)),
       ticker_(interval, [this] { return tick(); }) {}
 
+std::vector<ListenerWatch::Watched> ListenerWatch::watched(const std::vector<WatchedListener>& listeners) {
+  std::vector<Watched> all;
+  for (const WatchedListener& each : listeners) {
+    all.push_back({with_port(each.address, each.port), ListenerProbe(each.address, each.port)});
+  }
+  return all;
+}
+
 bool ListenerWatch::tick() {
-  const Listener found = look();
-  if (found == Listener::kUnknown) return true;
-  unanswered_ = found == Listener::kAnswers ? 0 : unanswered_ + 1;
-  if (unanswered_ == 0) return true;
-  spdlog::warn("the server did not answer a connection of its own, {} in a row", unanswered_);
-  if (unanswered_ < kProbes) return true;
+  const absl::StatusOr<bool> any_deaf =
+      catch_exceptions("connect to its own listeners", [this]() -> absl::StatusOr<bool> {
+        warn_of_few_descriptors(warned_);
+        return std::ranges::any_of(listeners_, [this](Watched& each) { return is_deaf(each); });
+      });
+  // Without memory for a probe nothing is known.
+  if (!any_deaf.value_or(false)) return true;
   on_deaf_();
   return false;
 }
 
-Listener ListenerWatch::look() {
-  const absl::StatusOr<Listener> found =
-      catch_exceptions("connect to its own listener", [&]() -> absl::StatusOr<Listener> {
-        warn_of_few_descriptors(warned_);
-        return probe_listener(address_, port_, patience_);
-      });
-  return found.value_or(Listener::kUnknown);
+bool ListenerWatch::is_deaf(Watched& listener) const {
+  const Listener found = listener.probe.look(patience_);
+  if (found == Listener::kUnknown) return false;
+  listener.unanswered = found == Listener::kAnswers ? 0 : listener.unanswered + 1;
+  if (listener.unanswered == 0) return false;
+  spdlog::warn("the server did not answer a connection of its own to {}, {} in a row", listener.name,
+               listener.unanswered);
+  return listener.unanswered >= kProbes;
 }
 
 }  // namespace segserve::server

@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include "server/listener/listener_probe.hpp"
 #include "server/options/listen_address.hpp"
@@ -10,28 +12,40 @@
 
 namespace segserve::server {
 
+/// An address at which this process listens.
+struct WatchedListener {
+  ListenAddress address;
+  int port = 0;  ///< that was bound; of no meaning for a unix socket
+};
+
 /// Connects, on a thread of its own, to its own server again and again, because gRPC 1.51 may stop accepting
 /// connections for good once the process has run out of file descriptors (CVE-2023-4785). It also warns when few of
 /// these are left.
 class ListenerWatch {
  public:
   /// Waits for `interval` between probes. A probe takes at most a second or two. `on_deaf` is called once, on the
-  /// thread, after three probes in a row without an answer.
-  ListenerWatch(ListenAddress address, int port, std::chrono::milliseconds interval, std::function<void()> on_deaf);
+  /// thread, after three probes of one listener in a row without an answer. No file descriptor for a probe counts as no
+  /// answer, because then there is none for a client.
+  ListenerWatch(const std::vector<WatchedListener>& listeners, std::chrono::milliseconds interval,
+                std::function<void()> on_deaf);
 
  private:
-  /// False once the listener is deaf.
-  bool tick();
-  /// kUnknown if there is not even memory for a probe.
-  Listener look();
+  struct Watched {
+    std::string name;  // for the log
+    ListenerProbe probe;
+    int unanswered = 0;  // probes in a row
+  };
 
-  const ListenAddress address_;
-  const int port_;
+  static std::vector<Watched> watched(const std::vector<WatchedListener>& listeners);
+  /// False once a listener is deaf.
+  bool tick();
+  bool is_deaf(Watched& listener) const;
+
   const std::chrono::milliseconds patience_;
   const std::function<void()> on_deaf_;
-  bool warned_ = false;  // of few descriptors; this and the next are the ticker's
-  int unanswered_ = 0;   // probes in a row
-  Ticker ticker_;        // is destroyed first
+  std::vector<Watched> listeners_;  // this and the next are the ticker's
+  bool warned_ = false;             // of few descriptors
+  Ticker ticker_;                   // is destroyed first
 };
 
 }  // namespace segserve::server

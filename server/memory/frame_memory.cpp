@@ -38,7 +38,7 @@ absl::Status in_use_by_others() {
   constexpr std::chrono::milliseconds kRetryDelay{200};
   return wire::with_details(
       absl::ResourceExhaustedError("other frames hold the memory that this one needs; try again later"),
-      {.reason = wire::ErrorReason::kQueueFull, .retry_delay = kRetryDelay});
+      {.reason = wire::ErrorReason::kQueueFull, .metadata = {{"limit", "memory_bytes"}}, .retry_delay = kRetryDelay});
 }
 
 }  // namespace
@@ -99,7 +99,7 @@ absl::Status FrameMemory::segment(const FrameSize& size) {
 
 void FrameMemory::keep_result(std::uint64_t bytes) {
   payload_bytes_ = 0;
-  lease_.resize(std::min(bytes, lease_.bytes()));
+  lease_.resize(std::min(bytes, lease_.bytes()), LeaseKind::kResult);
 }
 
 }  // namespace segserve::server

@@ -60,12 +60,14 @@ MemoryLease& MemoryLease::operator=(MemoryLease&& other) noexcept {
     ledger_ = std::exchange(other.ledger_, nullptr);
     owner_ = std::move(other.owner_);
     bytes_ = other.bytes_;
-    waits_ = other.waits_;
+    kind_ = other.kind_;
   }
   return *this;
 }
 
-bool MemoryLease::resize(std::uint64_t bytes) { return ledger_ != nullptr && ledger_->resize(*this, bytes); }
+bool MemoryLease::resize(std::uint64_t bytes, LeaseKind kind) {
+  return ledger_ != nullptr && ledger_->resize(*this, bytes, kind);
+}
 
 void MemoryLease::release() {
   if (ledger_ != nullptr) ledger_->release(*this);
@@ -86,7 +88,7 @@ std::optional<MemoryLease> MemoryLedger::lease(const MemoryOwner& owner, std::ui
   }
   for (Holding* holding : holdings_of(owner)) ++holding->leases;
   change(owner, 0, bytes);
-  waiting_ += bytes;
+  of(LeaseKind::kWaiting) += bytes;
   lease.ledger_ = this;
   return lease;
 }
@@ -94,6 +96,10 @@ std::optional<MemoryLease> MemoryLedger::lease(const MemoryOwner& owner, std::ui
 bool MemoryLedger::is_short() const {
   const Time now = now_();
   const MutexLock lock(mutex_);
+  return is_short_at(now);
+}
+
+bool MemoryLedger::is_short_at(Time now) const {
   return last_refusal_ != Time() && now < last_refusal_ + kRefusalCountsFor;
 }
 
@@ -102,9 +108,16 @@ std::uint64_t MemoryLedger::leased() const {
   return leased_;
 }
 
+MemoryUse MemoryLedger::use() const {
+  const Time now = now_();
+  const MutexLock lock(mutex_);
+  return {.budget = budget_, .leased = by_kind_, .refusals = refusals_, .is_short = is_short_at(now)};
+}
+
 bool MemoryLedger::has_room_for(const MemoryOwner& owner, std::uint64_t bytes) const {
   if (bytes > budget_ - leased_) return false;
-  if (waiting_ > 0 && bytes > budget_ / 2 - std::min(budget_ / 2, waiting_)) return false;
+  const std::uint64_t waiting = by_kind_[static_cast<std::size_t>(LeaseKind::kWaiting)];
+  if (waiting > 0 && bytes > budget_ / 2 - std::min(budget_ / 2, waiting)) return false;
   const auto others_were_refused = [](const auto& holdings, const std::string& self, const auto& holding_of) {
     return std::ranges::any_of(holdings, [&](const auto& entry) {
       return entry.first != self && holding_of(entry.second).refused_until > Time();
@@ -116,8 +129,8 @@ bool MemoryLedger::has_room_for(const MemoryOwner& owner, std::uint64_t bytes) c
     limit /= addresses_.size();
     if (address.total.bytes > 0 && address.total.bytes + bytes > limit) return false;
   }
-  // Who holds nothing gets what is free, even if it is more than a share: else a crowd could refuse each other for
-  // ever.
+  // A client that holds nothing gets what is free, even if it is more than a share: else a crowd could refuse each
+  // other for ever.
   const Holding& stream = address.streams.find(owner.stream)->second;
   return stream.bytes == 0 ||
          !others_were_refused(address.streams, owner.stream, [](const Holding& other) { return other; }) ||
@@ -151,16 +164,19 @@ void MemoryLedger::change(const MemoryOwner& owner, std::uint64_t before, std::u
 void MemoryLedger::note_refusal(const MemoryOwner& owner, Time now) {
   for (Holding* holding : holdings_of(owner)) holding->refused_until = now + kRefusalCountsFor;
   last_refusal_ = now;
+  ++refusals_;
 }
 
-bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
+bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes, LeaseKind kind) {
   const Time now = now_();
   const MutexLock lock(mutex_);
   if (bytes > lease.bytes_ && bytes - lease.bytes_ > budget_ - leased_) {
     note_refusal(lease.owner_, now);
     return false;
   }
-  if (std::exchange(lease.waits_, false)) waiting_ -= lease.bytes_;
+  of(lease.kind_) -= lease.bytes_;
+  of(kind) += bytes;
+  lease.kind_ = kind;
   change(lease.owner_, lease.bytes_, bytes);
   lease.bytes_ = bytes;
   return true;
@@ -168,7 +184,7 @@ bool MemoryLedger::resize(MemoryLease& lease, std::uint64_t bytes) {
 
 void MemoryLedger::release(const MemoryLease& lease) {
   const MutexLock lock(mutex_);
-  if (lease.waits_) waiting_ -= lease.bytes_;
+  of(lease.kind_) -= lease.bytes_;
   change(lease.owner_, lease.bytes_, 0);
   for (Holding* holding : holdings_of(lease.owner_)) --holding->leases;
 }

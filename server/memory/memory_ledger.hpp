@@ -24,6 +24,22 @@ struct MemoryOwner {
   std::string stream;   ///< the stream, or the connection of a unary call
 };
 
+/// The purpose of leased memory.
+enum class LeaseKind : std::uint8_t {
+  kWaiting,    ///< the payload of a frame that is being uploaded or waits for a worker
+  kComputing,  ///< the cloud and the workspace of a frame that a worker has, with its payload
+  kResult,     ///< a result that its client has not read yet
+};
+inline constexpr std::size_t kLeaseKinds = 3;
+
+/// The memory that a ledger has leased at this moment.
+struct MemoryUse {
+  std::uint64_t budget = 0;                         ///< bytes
+  std::array<std::uint64_t, kLeaseKinds> leased{};  ///< bytes, by LeaseKind
+  std::uint64_t refusals = 0;                       ///< leases that were not given or could not grow, so far
+  bool is_short = false;                            ///< see MemoryLedger::is_short
+};
+
 /// Bytes of a MemoryLedger that belong to one thing. It gives them back when it is destroyed. One thread at a time may
 /// use it; the ledger must outlive it.
 class MemoryLease {
@@ -36,7 +52,7 @@ class MemoryLease {
   std::uint64_t bytes() const { return ledger_ == nullptr ? 0 : bytes_; }
   /// Changes the number of bytes, for something that does not wait any more. A lease can always shrink. Returns false,
   /// and changes nothing, if it cannot grow.
-  bool resize(std::uint64_t bytes);
+  bool resize(std::uint64_t bytes, LeaseKind kind = LeaseKind::kComputing);
   void release();
 
  private:
@@ -45,7 +61,7 @@ class MemoryLease {
   MemoryLedger* ledger_ = nullptr;
   MemoryOwner owner_;
   std::uint64_t bytes_ = 0;
-  bool waits_ = true;
+  LeaseKind kind_ = LeaseKind::kWaiting;
 };
 
 /// The memory that a server may use for its clients, and how much of it is leased: payloads as received, decoded
@@ -70,6 +86,7 @@ class MemoryLedger {
   bool is_short() const;
   std::uint64_t budget() const { return budget_; }
   std::uint64_t leased() const;
+  MemoryUse use() const;
 
  private:
   friend class MemoryLease;
@@ -87,19 +104,25 @@ class MemoryLedger {
   bool has_room_for(const MemoryOwner& owner, std::uint64_t bytes) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void note_refusal(const MemoryOwner& owner, Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void forget_refusals(Time now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  /// What the owner holds of its address, and for its stream.
+  /// The holdings of the owner's address and of its stream.
   std::array<Holding*, 2> holdings_of(const MemoryOwner& owner) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// A lease of the owner has `after` bytes instead of `before`.
   void change(const MemoryOwner& owner, std::uint64_t before, std::uint64_t after)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  bool resize(MemoryLease& lease, std::uint64_t bytes);
+  bool resize(MemoryLease& lease, std::uint64_t bytes, LeaseKind kind);
+  /// The bytes of all leases of this kind.
+  std::uint64_t& of(LeaseKind kind) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_) {
+    return by_kind_[static_cast<std::size_t>(kind)];
+  }
+  bool is_short_at(Time now) const ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   void release(const MemoryLease& lease);
 
   const std::uint64_t budget_;
   const std::function<Time()> now_;
   mutable Mutex mutex_;
   std::uint64_t leased_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::uint64_t waiting_ ABSL_GUARDED_BY(mutex_) = 0;  // the part of it that is leased for what waits
+  std::array<std::uint64_t, kLeaseKinds> by_kind_ ABSL_GUARDED_BY(mutex_){};  // its parts
+  std::uint64_t refusals_ ABSL_GUARDED_BY(mutex_) = 0;
   std::map<std::string, Address> addresses_ ABSL_GUARDED_BY(mutex_);
   Time last_refusal_ ABSL_GUARDED_BY(mutex_){};
 };

@@ -4,6 +4,7 @@
 #include <arpa/inet.h>
 #include <netdb.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -11,6 +12,7 @@
 #include <cstring>
 #include <memory>
 
+#include "core/base/loopback_host.hpp"
 #include "fmt/format.h"
 
 namespace segserve::server {
@@ -26,17 +28,16 @@ bool is_port(std::string_view text) {
 
 }  // namespace
 
-bool ListenAddress::is_loopback() const {
-  if (is_unix || host == "localhost") return true;
-  in_addr v4{};
-  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24U == 127;
-  in6_addr v6{};
-  return inet_pton(AF_INET6, host.c_str(), &v6) == 1 && IN6_IS_ADDR_LOOPBACK(&v6);
-}
+bool ListenAddress::is_loopback() const { return is_unix || is_loopback_host(host); }
 
 absl::StatusOr<ListenAddress> parse_listen_address(std::string_view text) {
   if (text.starts_with(kUnixPrefix) && text.size() > kUnixPrefix.size()) {
-    return ListenAddress{std::string(text.substr(kUnixPrefix.size())), "", true};
+    text.remove_prefix(kUnixPrefix.size());
+    if (text.size() >= sizeof(sockaddr_un{}.sun_path)) {
+      return absl::InvalidArgumentError(fmt::format("the path of a unix socket has at most {} bytes, and {} has {}",
+                                                    sizeof(sockaddr_un{}.sun_path) - 1, text, text.size()));
+    }
+    return ListenAddress{std::string(text), "", true};
   }
   const std::size_t colon = text.rfind(':');
   if (colon != std::string_view::npos) {

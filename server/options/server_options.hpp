@@ -18,6 +18,38 @@ struct ServerOptions {
   /// Plain text on an address that other machines can reach is refused unless this is set.
   bool insecure_beyond_loopback = false;
 
+  /// An address as above at which grpc.health.v1 alone is served, always in plain text; empty: none.
+  std::string health_listen;
+
+  /// Files in PEM by which the server speaks TLS: its certificate with the chain after it, the private key of that, and
+  /// the authorities one of which must have signed the certificate of each client. Without a certificate the server
+  /// speaks plain text, and without authorities clients need no certificate.
+  std::string tls_cert;
+  std::string tls_key;
+  std::string tls_client_ca;
+
+  /// A file of bearer tokens, and of the limits of their subjects; empty: no token is asked for.
+  std::string tokens;
+  /// A JSON Web Key Set whose keys have signed the tokens (JWT) that are accepted, and the `iss` and `aud` of those;
+  /// empty: JWT are not accepted.
+  std::string jwt_keys;
+  std::string jwt_issuer;
+  std::string jwt_audience;
+  /// Tokens in plain text on an address that other machines can reach are refused unless this is set.
+  bool insecure_tokens = false;
+
+  /// HOST:PORT or [IPv6]:PORT, where Prometheus reads metrics in plain text; port 0 picks a free one. Empty: nowhere.
+  std::string metrics_listen;
+
+  /// HOST:PORT or [IPv6]:PORT of the web entrance: HTTP/1.1, by TLS if the server speaks TLS; port 0 picks a free one.
+  /// Empty: there is none.
+  std::string http;
+  /// The origin, such as https://app.example, of other sites whose pages may call the web entrance; "*": all of them.
+  std::string http_allow_origin;
+  /// Names of hosts, separated by commas, that requests to the web entrance may have in their header Host besides
+  /// those of this machine. Empty: on loopback there are no others, and elsewhere any will do.
+  std::string http_host;
+
   /// Frames that are computed at the same time; 0: one per CPU.
   std::size_t workers = 0;
   /// Most threads within one frame.
@@ -48,12 +80,15 @@ struct ServerOptions {
   /// Accept Draco payloads. Draco's library has known faults with hostile bytes.
   bool enable_draco = false;
 
-  /// Serve gRPC's reflection, by which tools such as grpcurl learn the interface. gRPC's implementation bounds neither
-  /// the memory of its messages nor its threads, so it is for trusted networks only.
+  /// Serve gRPC's reflection (v1 and v1alpha), by which tools such as grpcurl learn the interface.
   bool reflection = false;
 
   /// Calls in flight have this long to finish when the server stops. Then they are cancelled.
   std::chrono::milliseconds grace_period{20'000};
+
+  /// A stream that is so old is asked to move to a new one, which may reach a replica that has less to do; 0: never. It
+  /// has `grace_period` for that. Each stream's age differs by up to a tenth, so that they do not all move together.
+  std::chrono::milliseconds max_stream_age{1'800'000};
 
   /// A stopping server answers new calls with UNAVAILABLE (DRAINING) for at least this long, but no longer than the
   /// grace period, before it closes its connections. Calls that are on their way then learn what to do.

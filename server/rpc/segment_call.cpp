@@ -5,17 +5,16 @@
 #include <utility>
 #include <variant>
 
-#include "absl/strings/escaping.h"
 #include "core/base/status_macros.hpp"
+#include "proto/wire/codec_message.hpp"
 #include "proto/wire/message_shape.hpp"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/transport_limits.hpp"
 #include "server/frames/catch_exceptions.hpp"
 #include "server/frames/final_status.hpp"
 #include "server/frames/frame_computation.hpp"
-#include "server/scheduling/client_address.hpp"
+#include "server/rpc/caller_of.hpp"
 #include "server/scheduling/refusals.hpp"
-#include "spdlog/spdlog.h"
 
 namespace segserve::server {
 namespace {
@@ -30,30 +29,18 @@ std::optional<Clock::time_point> steady_deadline(const grpc::CallbackServerConte
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(deadline - std::chrono::system_clock::now());
 }
 
-/// Writes one line to the log. What callers chose is escaped, so that it cannot forge lines.
-void log_call(const grpc::CallbackServerContext& context, const std::string& request_id,
-              const v1::ResultSummary& summary, const absl::Status& status) {
-  if (!spdlog::should_log(spdlog::level::debug)) return;
-  const std::string id = absl::CHexEscape(request_id.substr(0, 64));
-  if (status.ok()) {
-    spdlog::debug("Segment from {}, id '{}': OK, {} points, {} segments, queue {:.1f} ms, total {:.1f} ms",
-                  context.peer(), id, summary.points(), summary.segments(), summary.timings().queue_ms(),
-                  summary.timings().total_ms());
-  } else {
-    spdlog::debug("Segment from {}, id '{}': {}", context.peer(), id,
-                  absl::CHexEscape(status.ToString(absl::StatusToStringMode::kWithNoExtraData)));
-  }
-}
-
 }  // namespace
 
-SegmentCall::SegmentCall(SegmentationService& service, grpc::CallbackServerContext& context, grpc::ByteBuffer& response)
+SegmentCall::SegmentCall(SegmentationService& service, AccessGrant grant, grpc::CallbackServerContext& context,
+                         grpc::ByteBuffer& response)
     : service_(service),
       context_(context),
       canceler_(context),
-      memory_(service.ledger_, MemoryOwner{client_address(context.peer()), context.peer()}, service.max_voxels_),
+      grant_(std::move(grant)),
+      share_(share_of(grant_.subject(), context.peer(), context.peer())),
+      memory_(service.ledger_, share_.owner, service.max_voxels_),
       response_(response),
-      arrival_(Clock::now()),
+      record_(arriving_call(caller_of(context, grant_.subject()), Clock::now())),
       deadline_(steady_deadline(context)) {}
 
 void SegmentCall::start(grpc::ByteBuffer& request) {
@@ -71,21 +58,23 @@ absl::Status SegmentCall::parse(grpc::ByteBuffer& request) {
 }
 
 absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
-  const std::uint64_t bytes = request.Length();
+  const std::uint64_t bytes = record_.received_bytes = request.Length();
   RETURN_IF_ERROR(memory_.receive(bytes));
   RETURN_IF_ERROR(parse(request));
-  ASSIGN_OR_RETURN(FrameSettings settings, service_.resolver_.resolve_call(request_, arrival_, deadline_));
+  record_.request_id = request_.request_id();
+  record_.payload_kind = wire::kind_of(request_.cloud());
+  ASSIGN_OR_RETURN(FrameSettings settings, service_.resolver_.resolve_call(request_, record_.arrival, deadline_));
+  ASSIGN_OR_RETURN(quota_, grant_.admit(settings.estimated_points, bytes));
 
-  // All calls on one connection count as one client's: many programs share an address, and names can be made up.
-  JobInfo info{.client = context_.peer(), .points = settings.estimated_points, .bytes = bytes};
-  Job job{.run = [this, settings](std::size_t worker) { run(worker, settings); },
-          .evicted =
-              [this] {
-                finish(catch_exceptions("tell why the call ends",
-                                        [&] { return evicted_from_queue(service_.pool_.retry_delay()); }));
-              }};
+  JobInfo info{.client = share_.client,
+               .flow = share_.flow,
+               .priority = grant_.priority(0),
+               .points = settings.estimated_points,
+               .bytes = bytes};
+  Job job{.run = [this, settings](std::size_t worker) { run(worker, settings); }, .evicted = [this] { make_way(); }};
+  record_.queued = Clock::now();
   const auto submitted = service_.pool_.submit(std::move(info), std::move(job));
-  if (const Refusal* refusal = std::get_if<Refusal>(&submitted)) {
+  if (const auto* refusal = std::get_if<Refusal>(&submitted)) {
     return queue_full(*refusal, service_.pool_.retry_delay());
   }
   ticket_ = std::get<WorkerPool::Ticket>(submitted);
@@ -96,18 +85,18 @@ absl::Status SegmentCall::admit(grpc::ByteBuffer& request) {
 void SegmentCall::run(std::size_t worker, const FrameSettings& settings) {
   finish(catch_exceptions("process this frame", [&]() -> absl::Status {
     if (deadline_ &&
-        Clock::now() + service_.pool_.expected_time(context_.peer(), settings.estimated_points) > *deadline_) {
+        Clock::now() + service_.pool_.expected_time(share_.client, settings.estimated_points) > *deadline_) {
       return absl::DeadlineExceededError("the call waited for a worker until too little time was left to compute it");
     }
-    ASSIGN_OR_RETURN(v1::SegmentationResult result,
-                     compute_frame(request_.cloud(), settings, cancelled_, *service_.backends_[worker], memory_));
+    ASSIGN_OR_RETURN(v1::SegmentationResult result, compute_frame(request_.cloud(), settings, cancelled_,
+                                                                  *service_.backends_[worker], memory_, record_.work));
     request_.clear_cloud();  // whose lease has ended
+    quota_.settle(result.summary().points());
     return answer(std::move(result));
   }));
 }
 
 absl::Status SegmentCall::answer(v1::SegmentationResult result) {
-  summary_ = result.summary();
   v1::SegmentResponse response;
   response.set_request_id(request_.request_id());
   response.set_frame_id(request_.frame_id());
@@ -116,6 +105,7 @@ absl::Status SegmentCall::answer(v1::SegmentationResult result) {
   bool owns_buffer = false;
   const grpc::Status status =
       grpc::SerializationTraits<v1::SegmentResponse>::Serialize(response, &response_, &owns_buffer);
+  record_.sent_bytes = response_.Length();
   return status.ok() ? absl::OkStatus() : absl::InternalError("the answer cannot be serialized");
 }
 
@@ -138,13 +128,20 @@ void SegmentCall::withdraw(const absl::Status& status) {
   if (submitted_ && service_.pool_.withdraw(ticket_)) finish(status);
 }
 
+void SegmentCall::make_way() {
+  record_.is_evicted = true;
+  finish(catch_exceptions("tell why the call ends", [&] { return evicted_from_queue(service_.pool_.retry_delay()); }));
+}
+
 void SegmentCall::finish(const absl::Status& status) {
-  const absl::Status told = catch_exceptions("tell why the call ends", [&] {
-    absl::Status final = aborted_ && !status.ok() ? draining() : status;
-    log_call(context_, request_.request_id(), summary_, final);
-    return final;
-  });
-  finished_at_ = Clock::now();
+  const absl::Status told =
+      catch_exceptions("tell why the call ends", [&] { return aborted_ && !status.ok() ? draining() : status; });
+  const Time now = Clock::now();
+  end_call(record_, told, now);
+  if (record_.status.reason == wire::ErrorReason::kQueueFull) quota_.refund();  // the server had no room for it
+  quota_ = {};
+  service_.observers_.on_frame(record_);
+  finished_at_ = now;
   Finish(final_status(told));  // from here on `this` may be gone
 }
 

@@ -12,8 +12,11 @@
 #include "grpcpp/support/byte_buffer.h"
 #include "grpcpp/support/server_callback.h"
 #include "segserve/v1/segmentation_service.pb.h"
+#include "server/access/access_grant.hpp"
+#include "server/access/client_share.hpp"
 #include "server/frames/frame_settings.hpp"
 #include "server/memory/frame_memory.hpp"
+#include "server/observe/frame_record.hpp"
 #include "server/rpc/segmentation_service.hpp"
 #include "server/scheduling/call_canceler.hpp"
 #include "server/scheduling/worker_pool.hpp"
@@ -27,8 +30,9 @@ class SegmentCall final : public grpc::ServerUnaryReactor, public std::enable_sh
  public:
   using Time = FrameSettings::Time;
 
-  /// `response` gets the bytes of a SegmentResponse.
-  SegmentCall(SegmentationService& service, grpc::CallbackServerContext& context, grpc::ByteBuffer& response);
+  /// `grant` says what the caller may do. `response` gets the bytes of a SegmentResponse.
+  SegmentCall(SegmentationService& service, AccessGrant grant, grpc::CallbackServerContext& context,
+              grpc::ByteBuffer& response);
 
   /// Parses the request, which empties the buffer, and checks and queues it. Finishes the call if that fails.
   void start(grpc::ByteBuffer& request);
@@ -46,6 +50,8 @@ class SegmentCall final : public grpc::ServerUnaryReactor, public std::enable_sh
   absl::Status parse(grpc::ByteBuffer& request);
   void run(std::size_t worker, const FrameSettings& settings);
   absl::Status answer(v1::SegmentationResult result);
+  /// Does the same as `finish` for a job that made way for another client.
+  void make_way();
   /// Takes the job back if no worker has begun it, and then finishes the call with this status.
   void withdraw(const absl::Status& status);
   void finish(const absl::Status& status);
@@ -54,11 +60,13 @@ class SegmentCall final : public grpc::ServerUnaryReactor, public std::enable_sh
   const grpc::CallbackServerContext& context_;
   CallCanceler canceler_;
   std::shared_ptr<SegmentCall> self_;
+  const AccessGrant grant_;
+  const ClientShare share_;
+  QuotaLease quota_;
   FrameMemory memory_;
   v1::SegmentRequest request_;
-  v1::ResultSummary summary_;  // of the answer, for the log
   grpc::ByteBuffer& response_;
-  const Time arrival_;
+  FrameRecord record_;
   const std::optional<Time> deadline_;
   std::atomic<bool> cancelled_{false}, aborted_{false};
   std::atomic<bool> submitted_{false};  // `ticket_` is set

@@ -17,6 +17,11 @@ void UnaryCalls::remove(const std::shared_ptr<SegmentCall>& call) {
   calls_.erase(call);
 }
 
+std::size_t UnaryCalls::count() const {
+  const MutexLock lock(mutex_);
+  return calls_.size();
+}
+
 void UnaryCalls::on_tick(std::chrono::steady_clock::time_point now) {
   for (const auto& call : snapshot()) call->on_tick(now);
 }

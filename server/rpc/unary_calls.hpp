@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <memory>
 #include <set>
 #include <vector>
@@ -18,6 +19,8 @@ class UnaryCalls {
  public:
   void add(std::shared_ptr<SegmentCall> call);
   void remove(const std::shared_ptr<SegmentCall>& call);
+
+  std::size_t count() const;
 
   /// Ends the calls whose answers clients do not read. To be called now and then.
   void on_tick(std::chrono::steady_clock::time_point now);

@@ -6,9 +6,9 @@
 
 namespace segserve::server {
 
-/// What all connections of a client have in common, from gRPC's name of a peer, such as "ipv4:192.0.2.7:40312": the
-/// address without the port, and of an IPv6 address its network of 64 bits, because a host has all of that. Peers at a
-/// unix socket are one client.
+/// The address that all connections of a client have in common, from gRPC's name of a peer, such as
+/// "ipv4:192.0.2.7:40312": it has no port, and of an IPv6 address it keeps the network of 64 bits, because a host has
+/// all of that. Peers at a unix socket are one client.
 std::string client_address(std::string_view peer);
 
 }  // namespace segserve::server

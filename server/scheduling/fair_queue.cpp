@@ -2,6 +2,7 @@
 #include "server/scheduling/fair_queue.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -86,15 +87,32 @@ std::optional<FairQueue::Started> FairQueue::start_next() {
   if (next == clients_.end() || next->second.waiting.empty()) return std::nullopt;
 
   Client& client = next->second;
-  const Ticket ticket = client.waiting.begin()->first.ticket;
-  Running& running = running_[ticket];  // first of all, because it may throw
-  auto first = client.waiting.extract(client.waiting.begin());
+  const auto next_job_of_client = next_job(client);
+  const Ticket ticket = next_job_of_client->first.ticket;
+  double& flow_time = client.flows[next_job_of_client->second.info.flow];
+  Running& running = running_[ticket];  // these two first of all, because they may throw
+  auto first = client.waiting.extract(next_job_of_client);
   waiting_.erase(ticket);
   virtual_time_ = std::max(virtual_time_, client.virtual_time);
   running.charged = ns_per_point_ * cost_in_points(first.mapped().info.points);
+  client.flow_time = std::max(client.flow_time, flow_time);
+  flow_time = client.flow_time + running.charged;
+  std::erase_if(client.flows, [&client](const auto& flow) { return flow.second <= client.flow_time; });
   running.info = std::move(first.mapped().info);
   client.virtual_time += running.charged;
   return Started{ticket, std::move(first.mapped().job)};
+}
+
+std::map<FairQueue::Rank, FairQueue::Waiting>::iterator FairQueue::next_job(Client& client) {
+  const auto first = client.waiting.begin();
+  const auto end_of_equals = client.waiting.upper_bound({first->first.urgency, std::numeric_limits<Ticket>::max()});
+  return std::min_element(first, end_of_equals, [&client](const auto& a, const auto& b) {
+    const auto time_of = [&client](const std::string& flow) {
+      const auto found = client.flows.find(flow);
+      return found == client.flows.end() ? client.flow_time : found->second;
+    };
+    return time_of(a.second.info.flow) < time_of(b.second.info.flow);
+  });
 }
 
 void FairQueue::finish(Ticket ticket, std::chrono::nanoseconds took) {
@@ -111,6 +129,12 @@ void FairQueue::finish(Ticket ticket, std::chrono::nanoseconds took) {
   subtract(client.held, info);
   subtract(held_, info);
   forget_clients();
+}
+
+std::optional<std::chrono::steady_clock::time_point> FairQueue::waiting_since() const {
+  if (waiting_.empty()) return std::nullopt;
+  const auto& [client, rank] = waiting_.begin()->second;  // tickets are given in the order of arrival
+  return client->second.waiting.at(rank).info.since;
 }
 
 std::chrono::nanoseconds FairQueue::backlog() const {

@@ -14,15 +14,17 @@
 
 namespace segserve::server {
 
-/// What a queue must know about a job.
+/// The facts about a job that a queue needs.
 struct JobInfo {
   std::string client;         ///< the owner; all jobs with this name share one client's part of the workers
+  std::string flow = {};      ///< of the client, such as one of its streams; flows have equal parts of the client's
   std::int32_t priority = 0;  ///< among the jobs of its client; the highest comes first
   std::uint64_t points = 0;   ///< of its cloud, as far as known; the work is estimated from it
   std::uint64_t bytes = 0;    ///< of memory that the job keeps until it ends
   /// The job is taken even if the queue is full, because something else, the credit of a stream, bounds such jobs. It
   /// counts against the bounds like any other.
   bool may_exceed_bounds = false;
+  std::chrono::steady_clock::time_point since{};  ///< when it began to wait
 };
 
 struct Job {
@@ -63,7 +65,8 @@ struct Refusal {
 /// overtake those that stay for ever. A client that returns starts at the queue's virtual time, or a little before, so
 /// it gets next to nothing for the time when it was away. A client that has had more than its share keeps that debt.
 ///
-/// Within a client, the job of the highest priority comes first; equal ones keep the order of their arrival.
+/// Within a client, the job of the highest priority comes first. Among equal ones the flows of the client take turns in
+/// the same way, by the estimates alone; the jobs of a flow keep the order of their arrival.
 ///
 /// A client that fills the queue does not keep others out. When a bound is reached, the last jobs of the client that
 /// holds the largest part of the queue are evicted, as long as that client still holds no less than the newcomer.
@@ -94,8 +97,11 @@ class FairQueue {
 
   /// Jobs that wait.
   std::size_t waiting() const { return waiting_.size(); }
-  /// What waiting and running jobs hold together.
+  /// When the job that waits longest began to wait; nullopt if none waits.
+  std::optional<std::chrono::steady_clock::time_point> waiting_since() const;
+  /// The sum over waiting and running jobs.
   const QueueBounds& held() const { return held_; }
+  const QueueBounds& bounds() const { return bounds_; }
   /// Clients that are remembered: they have jobs, or had more or less than their share.
   std::size_t clients() const { return clients_.size(); }
   /// How long a worker needs for a cloud of so many points, judged by earlier jobs of this client: by their time per
@@ -124,7 +130,9 @@ class FairQueue {
     double ns_per_point = 0;  // of its jobs; 0: none was done yet
     double ns_per_job = 0;
     std::map<Rank, Waiting> waiting = {};
-    QueueBounds held = {};  // waiting or running
+    double flow_time = 0;                      // the virtual time at which the last job of a flow started
+    std::map<std::string, double> flows = {};  // virtual times that are later than that
+    QueueBounds held = {};                     // waiting or running
   };
   using Clients = std::map<std::string, Client>;
 
@@ -135,6 +143,8 @@ class FairQueue {
   Job take(Ticket ticket);
   /// The part of the queue that is held, of the bound that is nearest.
   double share(const QueueBounds& held) const;
+  /// The waiting job of the client that comes next.
+  static std::map<Rank, Waiting>::iterator next_job(Client& client);
   /// A job of the client took so long.
   void learn(Client& client, double ns, double points);
   void forget_clients();

@@ -37,4 +37,9 @@ std::size_t InFlightCalls::count() const {
   return count_;
 }
 
+bool InFlightCalls::is_closed() const {
+  const MutexLock lock(mutex_);
+  return closed_;
+}
+
 }  // namespace segserve::server

@@ -19,9 +19,10 @@ class InFlightCalls {
   void close();
   /// Waits until no call is in flight.
   void wait_until_none();
-  /// As above, but returns false if that takes longer than the deadline.
+  /// Does the same, but returns false if that takes longer than the deadline.
   bool wait_until_none_or(std::chrono::steady_clock::time_point deadline);
   std::size_t count() const;
+  bool is_closed() const;
 
  private:
   mutable Mutex mutex_;

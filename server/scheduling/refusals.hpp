@@ -6,7 +6,7 @@
 #include "absl/status/status.h"
 #include "server/scheduling/fair_queue.hpp"
 
-// What the server answers to calls and frames that it does not take although nothing is wrong with them. Each of these
+// The server's answers to calls and frames that it does not take although nothing is wrong with them. Each of these
 // says when to try again.
 namespace segserve::server {
 

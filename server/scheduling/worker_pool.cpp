@@ -24,6 +24,7 @@ WorkerPool::~WorkerPool() {
 }
 
 std::variant<WorkerPool::Ticket, Refusal> WorkerPool::submit(JobInfo info, Job job) {
+  info.since = std::chrono::steady_clock::now();
   FairQueue::Pushed pushed;
   {
     const MutexLock lock(mutex_);
@@ -39,6 +40,17 @@ bool WorkerPool::withdraw(Ticket ticket) {
   const MutexLock lock(mutex_);
   job = queue_.withdraw(ticket);
   return job.has_value();
+}
+
+PoolState WorkerPool::state() const {
+  const MutexLock lock(mutex_);
+  const auto now = std::chrono::steady_clock::now();
+  return {.workers = threads_.size(),
+          .busy_workers = static_cast<std::size_t>(queue_.held().jobs) - queue_.waiting(),
+          .waiting = queue_.waiting(),
+          .longest_wait = now - queue_.waiting_since().value_or(now),
+          .held = queue_.held(),
+          .bounds = queue_.bounds()};
 }
 
 std::size_t WorkerPool::queued() const {

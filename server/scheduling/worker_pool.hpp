@@ -16,13 +16,21 @@
 
 namespace segserve::server {
 
+/// The state of a pool at this moment.
+struct PoolState {
+  std::size_t workers = 0, busy_workers = 0;
+  std::size_t waiting = 0;                   ///< jobs
+  std::chrono::nanoseconds longest_wait{0};  ///< of the jobs that wait now
+  QueueBounds held{}, bounds{};              ///< by waiting and running jobs together
+};
+
 /// Threads that run the jobs of all clients in the order of a bounded FairQueue. Thread-safe. Only the destructor waits
 /// for jobs.
 class WorkerPool {
  public:
   using Ticket = FairQueue::Ticket;
 
-  /// What a worker does, on its own thread, once it has had no job for a while. Must not throw.
+  /// An action that a worker takes, on its own thread, once it has had no job for a while. It must not throw.
   struct WhenIdle {
     std::chrono::milliseconds after;
     std::function<void(std::size_t worker)> run;
@@ -44,9 +52,10 @@ class WorkerPool {
   bool withdraw(Ticket ticket);
 
   std::size_t workers() const { return threads_.size(); }
+  PoolState state() const;
   /// Jobs that wait.
   std::size_t queued() const;
-  /// What waiting and running jobs hold together.
+  /// The sum over waiting and running jobs.
   QueueBounds held() const;
   /// See FairQueue::expected_time.
   std::chrono::nanoseconds expected_time(const std::string& client, std::uint64_t points) const;

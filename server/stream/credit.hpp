@@ -19,7 +19,7 @@ struct CreditLimits {
   Credit most_per_stream;
   std::uint64_t default_bytes_per_stream = 0;  ///< for a stream that asks for nothing
 
-  /// What is wanted (0: the default) within the limits of a stream.
+  /// Grants what is wanted (0: the default) within the limits of a stream.
   Credit grant(const Credit& wanted) const {
     const std::uint64_t bytes = wanted.bytes > 0 ? wanted.bytes : default_bytes_per_stream;
     return {.frames = wanted.frames > 0 ? std::min(most_per_stream.frames, wanted.frames) : most_per_stream.frames,

@@ -10,7 +10,7 @@
 
 namespace segserve::server {
 
-/// What a worker must know about a frame.
+/// The facts about a frame that a worker needs.
 struct FrameJob {
   std::int32_t priority = 0;
   std::uint64_t points = 0;  ///< an estimate, because the payload is not decoded yet

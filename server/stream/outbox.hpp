@@ -6,9 +6,12 @@
 #include <optional>
 #include <utility>
 
+#include "absl/status/status.h"
 #include "proto/wire/byte_run.hpp"
 #include "segserve/v1/stream.pb.h"
 #include "server/memory/frame_memory.hpp"
+#include "server/observe/frame_record.hpp"
+#include "server/observe/service_observer.hpp"
 
 namespace segserve::server {
 
@@ -17,6 +20,7 @@ struct FinishedFrame {
   v1::FrameOutcome outcome;
   wire::OutgoingBytes bytes;
   FrameMemory memory;              ///< of the result, until it is sent
+  FrameRecord record;              ///< with the outcome
   std::uint64_t credit_bytes = 0;  ///< that the frame took from the stream's credit
 };
 
@@ -25,11 +29,14 @@ class Outbox {
  public:
   void push(FinishedFrame frame) { frames_.push_back(std::move(frame)); }
   bool empty() const { return frames_.empty(); }
-  void clear();
+  /// Whether an outcome is sent, but not all of its chunks. No other message may come between them.
+  bool within_result() const { return outcome_sent_; }
+  /// The stream ended with this status: nothing more is sent. Tells the observers of the frames.
+  void abandon_all(const absl::Status& why, FrameRecord::Time now, const ServiceObservers& observers) noexcept;
 
-  /// Fills in the next message; false if there is none. With the last message of a frame, `returned_bytes` is set to
-  /// the bytes of credit that the client has again once it has read that message.
-  bool next(v1::SegmentStreamResponse& message, std::optional<std::uint64_t>& returned_bytes);
+  /// Fills in the next message; false if there is none. With the last message of a frame, `sent` gets that frame, whose
+  /// credit the client has again once it has read that message.
+  bool next(v1::SegmentStreamResponse& message, std::optional<FinishedFrame>& sent);
 
  private:
   std::deque<FinishedFrame> frames_;

@@ -9,6 +9,7 @@ namespace segserve::server {
 
 absl::StatusOr<FrameExecutor::Ticket> PoolFrameExecutor::submit(FrameJob job) {
   JobInfo info{.client = client_,
+               .flow = stream_,
                .priority = job.priority,
                .points = job.points,
                .bytes = job.bytes,

@@ -14,13 +14,13 @@
 
 namespace segserve::server {
 
-/// The worker pool as one stream sees it. All frames of the stream count as those of `client`.
+/// The worker pool as one stream sees it. All frames of the stream count as those of the flow `stream` of `client`.
 class PoolFrameExecutor final : public FrameExecutor {
  public:
   /// `backends` holds one per worker. Pool and backends must outlive the pool's jobs.
   PoolFrameExecutor(WorkerPool& pool, const std::vector<std::unique_ptr<SegmentationBackend>>& backends,
-                    std::string client)
-      : pool_(pool), backends_(backends), client_(std::move(client)) {}
+                    std::string client, std::string stream)
+      : pool_(pool), backends_(backends), client_(std::move(client)), stream_(std::move(stream)) {}
 
   absl::StatusOr<Ticket> submit(FrameJob job) override;
   bool withdraw(Ticket ticket) override { return pool_.withdraw(ticket); }
@@ -31,7 +31,7 @@ class PoolFrameExecutor final : public FrameExecutor {
  private:
   WorkerPool& pool_;
   const std::vector<std::unique_ptr<SegmentationBackend>>& backends_;
-  const std::string client_;
+  const std::string client_, stream_;
 };
 
 }  // namespace segserve::server

@@ -16,6 +16,9 @@ namespace {
 // Only the shape, the options and the layout of a frame are in its header; the payload comes in chunks.
 constexpr std::size_t kMostHeaderBytes = std::size_t{64} << 10U;
 
+// See SessionProtocol::cut_off_upload.
+constexpr std::chrono::milliseconds kMoment{100};
+
 }  // namespace
 
 absl::StatusOr<SessionProtocol::Event> SessionProtocol::receive(v1::SegmentStreamRequest& message, Time now) {
@@ -26,9 +29,14 @@ absl::StatusOr<SessionProtocol::Event> SessionProtocol::receive(v1::SegmentStrea
   switch (message.kind_case()) {
     case Kind::kOpen:
       return Event{.kind = Event::kOpen};
-    case Kind::kFrame:
-      return begin_frame(*message.mutable_frame(), now);
+    case Kind::kFrame: {
+      const std::uint64_t bytes = message.ByteSizeLong();
+      ASSIGN_OR_RETURN(const Event event, begin_frame(*message.mutable_frame(), now));
+      event.frame->record.received_bytes = bytes;
+      return event;
+    }
     case Kind::kChunk:
+      if (upload_) upload_->record.received_bytes += message.ByteSizeLong();
       return take_chunk(message.chunk(), now);
     case Kind::kCancel:
       return Event{.kind = Event::kCancel, .sequence = message.cancel().sequence()};
@@ -58,7 +66,7 @@ absl::StatusOr<SessionProtocol::Event> SessionProtocol::begin_frame(v1::FrameHea
   RETURN_IF_ERROR(take_credit(header));
   last_sequence_ = sequence;
   upload_began_ = last_chunk_ = now;
-  upload_ = std::make_shared<StreamFrame>(std::move(header));
+  upload_ = std::make_shared<StreamFrame>(std::move(header), now);
   return Event{.kind = Event::kBegun, .frame = upload_};
 }
 
@@ -97,9 +105,8 @@ absl::StatusOr<SessionProtocol::Event> SessionProtocol::take_chunk(const v1::Fra
   return Event{.kind = Event::kUploaded, .frame = upload_};
 }
 
-StreamFramePointer SessionProtocol::half_close() {
-  half_closed_ = true;
-  return is_uploading() ? upload_ : nullptr;
+StreamFramePointer SessionProtocol::cut_off_upload(Time now) const {
+  return half_closed_ && now - *half_closed_ >= kMoment && is_uploading() ? upload_ : nullptr;
 }
 
 StreamFramePointer SessionProtocol::stalled_upload(Time now, const UploadPace& pace) const {
@@ -113,7 +120,7 @@ StreamFramePointer SessionProtocol::stalled_upload(Time now, const UploadPace& p
   return too_slow ? upload_ : nullptr;
 }
 
-bool SessionProtocol::next(v1::SegmentStreamResponse& message) {
+bool SessionProtocol::next(v1::SegmentStreamResponse& message, std::optional<FinishedFrame>& sent) {
   message.Clear();
   if (must_send_opened_) {
     must_send_opened_ = false;
@@ -122,16 +129,15 @@ bool SessionProtocol::next(v1::SegmentStreamResponse& message) {
     opened.mutable_credit()->set_bytes(credit_.bytes);
     return true;
   }
-  if (must_send_draining_ && open_) {
-    must_send_draining_ = false;
-    message.mutable_draining();
+  if (must_send_draining_ && open_ && !outbox_.within_result()) {
+    message.mutable_draining()->set_reason(*must_send_draining_);
+    must_send_draining_.reset();
     return true;
   }
-  std::optional<std::uint64_t> returned_bytes;
-  if (!outbox_.next(message, returned_bytes)) return false;
-  if (returned_bytes) {
+  if (!outbox_.next(message, sent)) return false;
+  if (sent) {
     used_.frames -= 1;
-    used_.bytes -= *returned_bytes;
+    used_.bytes -= sent->credit_bytes;
   }
   return true;
 }

@@ -31,7 +31,7 @@ class SessionProtocol {
   /// `greeting` is the answer to StreamOpen without the credit. All references must outlive this object.
   SessionProtocol(const v1::StreamOpened& greeting, Outbox& outbox) : greeting_(greeting), outbox_(outbox) {}
 
-  /// What a message from the client means.
+  /// The meaning of a message from the client.
   struct Event {
     enum Kind {
       kNothing,   ///< all is done
@@ -49,16 +49,22 @@ class SessionProtocol {
   /// Accepts a stream, with this credit.
   void grant(const Credit& credit);
 
-  /// The client sends no more. Returns the frame that can never be complete, if there is one.
-  StreamFramePointer half_close();
-  bool half_closed() const { return half_closed_; }
+  /// The client sends no more.
+  void half_close(Time now) { half_closed_ = now; }
+  bool half_closed() const { return half_closed_.has_value(); }
+  /// The frame that can never be complete, if there is one, a moment after `half_close`: a client that vanishes seems
+  /// to close its side first, and the end of its call comes only then.
+  StreamFramePointer cut_off_upload(Time now) const;
   /// The frame that is being uploaded if its chunks come more slowly than the pace.
   StreamFramePointer stalled_upload(Time now, const UploadPace& pace) const;
 
-  /// The client shall be told that the server is about to stop.
-  void announce_draining() { must_send_draining_ = true; }
-  /// Fills in the next message to send; false if there is none now.
-  bool next(v1::SegmentStreamResponse& message);
+  /// The client shall be told to open another stream.
+  void announce_draining(v1::DrainReason reason) { must_send_draining_ = reason; }
+  /// Fills in the next message to send; false if there is none now. With the last message of a frame, `sent` gets that
+  /// frame.
+  bool next(v1::SegmentStreamResponse& message, std::optional<FinishedFrame>& sent);
+  /// Whether the client has a stream.
+  bool is_open() const { return open_; }
   /// True if everything was sent that there is to say at present.
   bool all_sent() const { return outbox_.empty() && !must_send_opened_; }
 
@@ -75,8 +81,10 @@ class SessionProtocol {
   Outbox& outbox_;
 
   Credit credit_, used_;
-  bool open_ = false, half_closed_ = false;
-  bool must_send_opened_ = false, must_send_draining_ = false;
+  bool open_ = false;
+  std::optional<Time> half_closed_;
+  bool must_send_opened_ = false;
+  std::optional<v1::DrainReason> must_send_draining_;
   std::optional<std::uint64_t> last_sequence_;
   StreamFramePointer upload_;       // the frame that began last, also when it is over
   Time upload_began_, last_chunk_;  // of `upload_`: its header, and its last chunk or its header

@@ -30,6 +30,11 @@ void SessionRegistry::remove(const std::shared_ptr<StreamSession>& session) {
   sessions_.erase(session);
 }
 
+std::size_t SessionRegistry::count() const {
+  const MutexLock lock(mutex_);
+  return sessions_.size();
+}
+
 void SessionRegistry::start_draining() {
   {
     const MutexLock lock(mutex_);

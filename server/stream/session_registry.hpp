@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <set>
@@ -21,6 +22,9 @@ class SessionRegistry {
 
   void add(const std::shared_ptr<StreamSession>& session);
   void remove(const std::shared_ptr<StreamSession>& session);
+
+  /// Streams that are open.
+  std::size_t count() const;
 
   /// Makes all present and later sessions drain.
   void start_draining();

@@ -5,27 +5,15 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "absl/strings/escaping.h"
-#include "spdlog/spdlog.h"
 
 namespace segserve::server {
 namespace {
 
 using State = StreamFrame::State;
 
-/// Writes one line to the log. What clients chose is escaped, so that it cannot forge lines.
-void log_frame(const std::string& client, const v1::FrameOutcome& outcome) {
-  if (!spdlog::should_log(spdlog::level::debug)) return;
-  spdlog::debug("frame {} of '{}', id '{}': {}, {}, {} points, {} segments, total {:.1f} ms", outcome.sequence(),
-                absl::CHexEscape(client), absl::CHexEscape(outcome.request_id()), v1::OutcomeKind_Name(outcome.kind()),
-                absl::CHexEscape(outcome.status().message()), outcome.result().summary().points(),
-                outcome.result().summary().segments(), outcome.result().summary().timings().total_ms());
-}
-
 }  // namespace
 
 void SessionScheduler::set_policy(const v1::StreamOpen& open) {
-  client_name_ = open.client_name();
   order_ = open.order();
   when_behind_ = open.when_behind();
 }
@@ -36,7 +24,8 @@ bool SessionScheduler::may_exceed_queue() const {
   return when_behind_ == v1::WHEN_BEHIND_UNSPECIFIED || when_behind_ == v1::WHEN_BEHIND_BLOCK;
 }
 
-void SessionScheduler::submit(const StreamFramePointer& frame, const Computation& compute) {
+void SessionScheduler::submit(const StreamFramePointer& frame, const Computation& compute, Time now) {
+  frame->record.queued = now;
   frame->state = State::kQueued;
   while (true) {
     const absl::StatusOr<FrameExecutor::Ticket> ticket = executor_.submit({.priority = frame->header.priority(),
@@ -48,16 +37,16 @@ void SessionScheduler::submit(const StreamFramePointer& frame, const Computation
       frame->ticket = *ticket;
       return;
     }
-    if (when_behind_ != v1::WHEN_BEHIND_DROP_OLDEST) return fail(frame, ticket.status());
-    const bool others_fill_the_queue = !drop_oldest(*frame);
-    if (others_fill_the_queue) return finish(frame, v1::OUTCOME_KIND_DROPPED, absl::OkStatus());
+    if (when_behind_ != v1::WHEN_BEHIND_DROP_OLDEST) return fail(frame, ticket.status(), now);
+    const bool others_fill_the_queue = !drop_oldest(*frame, now);
+    if (others_fill_the_queue) return finish(frame, v1::OUTCOME_KIND_DROPPED, absl::OkStatus(), now);
   }
 }
 
-bool SessionScheduler::drop_oldest(const StreamFrame& newest) {
+bool SessionScheduler::drop_oldest(const StreamFrame& newest, Time now) {
   for (const auto& [sequence, frame] : frames_) {
     if (frame->state == State::kQueued && frame.get() != &newest && executor_.withdraw(frame->ticket)) {
-      finish(StreamFramePointer(frame), v1::OUTCOME_KIND_DROPPED, absl::OkStatus());
+      finish(StreamFramePointer(frame), v1::OUTCOME_KIND_DROPPED, absl::OkStatus(), now);
       return true;
     }
   }
@@ -68,11 +57,11 @@ bool SessionScheduler::start(const StreamFramePointer& frame, Time now) {
   if (frame->state == State::kDone) return false;
   const FrameSettings& settings = frame->settings;
   if (frame->cancelled) {
-    finish(frame, frame->why_cancelled, absl::OkStatus());
+    finish(frame, frame->why_cancelled, absl::OkStatus(), now);
     return false;
   }
   if (settings.deadline && now + executor_.expected_time(settings.estimated_points) > *settings.deadline) {
-    finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
+    finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus(), now);
     return false;
   }
   frame->state = State::kRunning;
@@ -85,25 +74,26 @@ void SessionScheduler::complete(const StreamFramePointer& frame, absl::StatusOr<
   const bool expired = frame->settings.deadline && now >= *frame->settings.deadline;
   if (abandoned_) {
     frame->state = State::kDone;
+    abandon(*frame, now);
   } else if (frame->cancelled) {
-    finish(frame, frame->why_cancelled, absl::OkStatus());
+    finish(frame, frame->why_cancelled, absl::OkStatus(), now);
   } else if (expired) {
-    finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus());
+    finish(frame, v1::OUTCOME_KIND_EXPIRED, absl::OkStatus(), now);
   } else if (computed.ok()) {
-    finish(frame, *std::move(computed));
+    finish(frame, *std::move(computed), absl::OkStatus(), now);
   } else {
-    fail(frame, computed.status());
+    fail(frame, computed.status(), now);
   }
 }
 
-void SessionScheduler::fail(const StreamFramePointer& frame, const absl::Status& status) {
-  finish(frame, v1::OUTCOME_KIND_FAILED, status);
+void SessionScheduler::fail(const StreamFramePointer& frame, const absl::Status& status, Time now) {
+  finish(frame, v1::OUTCOME_KIND_FAILED, status, now);
 }
 
-void SessionScheduler::cancel(std::uint64_t sequence) {
+void SessionScheduler::cancel(std::uint64_t sequence, Time now) {
   const auto found = frames_.find(sequence);
   if (found == frames_.end() || found->second->state == State::kDone) return;
-  stop(StreamFramePointer(found->second), v1::OUTCOME_KIND_CANCELLED);
+  stop(StreamFramePointer(found->second), v1::OUTCOME_KIND_CANCELLED, now);
 }
 
 void SessionScheduler::expire(Time now) {
@@ -112,42 +102,57 @@ void SessionScheduler::expire(Time now) {
     const bool waits = frame->state == State::kUploading || frame->state == State::kQueued;
     if (waits && frame->settings.deadline && now >= *frame->settings.deadline) expired.push_back(frame);
   }
-  for (const StreamFramePointer& frame : expired) stop(frame, v1::OUTCOME_KIND_EXPIRED);
+  for (const StreamFramePointer& frame : expired) stop(frame, v1::OUTCOME_KIND_EXPIRED, now);
 }
 
-void SessionScheduler::abandon_all() {
-  abandoned_ = true;
+void SessionScheduler::abandon_all(const absl::Status& why, Time now) {
+  abandoned_ = why;
   for (const auto& [sequence, frame] : frames_) {
     if (frame->state == State::kQueued) executor_.withdraw(frame->ticket);
-    // A worker that has just taken the job, but not started it, leaves the frame alone.
-    if (frame->state != State::kRunning) frame->state = State::kDone;
     frame->cancelled = true;
+    if (frame->state == State::kRunning) continue;  // `complete` does the rest
+    // A worker that has just taken the job, but not started it, leaves the frame alone.
+    frame->state = State::kDone;
+    abandon(*frame, now);
   }
   frames_.clear();
 }
 
-void SessionScheduler::stop(const StreamFramePointer& frame, v1::OutcomeKind kind) {
+void SessionScheduler::abandon(StreamFrame& frame, Time now) {
+  FrameRecord& record = frame.finished ? frame.finished->record : frame.record;
+  end_with_stream(record, *abandoned_, now);
+  observers_.on_frame(record);
+}
+
+void SessionScheduler::stop(const StreamFramePointer& frame, v1::OutcomeKind kind, Time now) {
   const bool waits =
       frame->state == State::kUploading || (frame->state == State::kQueued && executor_.withdraw(frame->ticket));
   if (waits) {
-    finish(frame, kind, absl::OkStatus());
+    finish(frame, kind, absl::OkStatus(), now);
   } else {
     frame->why_cancelled = kind;
     frame->cancelled = true;
   }
 }
 
-void SessionScheduler::finish(const StreamFramePointer& frame, v1::OutcomeKind kind, const absl::Status& status) {
-  finish(frame, outcome_without_result(*frame, kind, status));
+void SessionScheduler::finish(const StreamFramePointer& frame, v1::OutcomeKind kind, const absl::Status& status,
+                              Time now) {
+  finish(frame, outcome_without_result(*frame, kind, status), status, now);
 }
 
-void SessionScheduler::finish(const StreamFramePointer& frame, FinishedFrame finished) {
-  log_frame(client_name_, finished.outcome);
+void SessionScheduler::finish(const StreamFramePointer& frame, FinishedFrame finished, const absl::Status& status,
+                              Time now) {
+  frame->record.outcome = finished.outcome.kind();
+  frame->record.status = facts_of(status);
+  frame->record.decided = now;
   frame->state = State::kDone;
   frame->finished = std::move(finished);
+  frame->finished->record = std::move(frame->record);
   frame->header.clear_cloud();
   frame->payload = {};
   frame->memory = {};
+  if (frame->finished->record.status.reason == wire::ErrorReason::kQueueFull) frame->quota.refund();
+  frame->quota = {};
   if (order_ != v1::RESULT_ORDER_UNORDERED) {
     send_in_order();
   } else {

@@ -11,11 +11,13 @@
 
 namespace segserve::server {
 
-void SessionTransport::prepare(const StreamSettings& settings, MemoryOwner owner) {
+void SessionTransport::prepare(const StreamSettings& settings, MemoryOwner owner, Caller caller, AccessGrant grant) {
   settings_ = &settings;
-  session_ = std::make_shared<StreamSession>(settings, std::move(owner), *executor_, [weak = weak_from_this()] {
+  auto wake = [weak = weak_from_this()] {
     if (const auto self = weak.lock()) self->advance();
-  });
+  };
+  session_ = std::make_shared<StreamSession>(settings, std::move(owner), std::move(caller), *executor_, std::move(wake),
+                                             std::move(grant));
   registry_.add(session_);
 }
 
@@ -72,6 +74,7 @@ void SessionTransport::advance() {
         StartWrite(&response_);
       } else if (const auto status = session_->ended()) {
         finished_ = true;
+        settings_->observers.on_stream(session_->record(*status));
         Finish(final_status(*status));
       }
     }

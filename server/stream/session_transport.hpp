@@ -10,6 +10,7 @@
 #include "core/base/mutex.hpp"
 #include "grpcpp/support/byte_buffer.h"
 #include "grpcpp/support/server_callback.h"
+#include "server/access/access_grant.hpp"
 #include "server/memory/memory_ledger.hpp"
 #include "server/scheduling/call_canceler.hpp"
 #include "server/scheduling/in_flight_calls.hpp"
@@ -31,7 +32,7 @@ class SessionTransport final : public grpc::ServerBidiReactor<grpc::ByteBuffer, 
       : canceler_(context), calls_(calls), registry_(registry), executor_(std::move(executor)) {}
 
   /// Makes the session. It must have returned, and not thrown, before `start`. The settings must outlive this object.
-  void prepare(const StreamSettings& settings, MemoryOwner owner);
+  void prepare(const StreamSettings& settings, MemoryOwner owner, Caller caller, AccessGrant grant);
   /// Begins to read.
   void start() noexcept;
 

@@ -1,11 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/stream/stream_frame.hpp"
 
+#include <utility>
+
+#include "proto/wire/codec_message.hpp"
 #include "proto/wire/payload_blocks.hpp"
 #include "proto/wire/result_blocks.hpp"
 #include "proto/wire/status_message.hpp"
 
 namespace segserve::server {
+
+StreamFrame::StreamFrame(v1::FrameHeader frame_header, Time arrival) : header(std::move(frame_header)) {
+  record.call = FrameRecord::Call::kStream;
+  record.request_id = header.request_id();
+  record.sequence = header.sequence();
+  record.payload_kind = wire::kind_of(header.cloud());
+  record.arrival = arrival;
+}
 
 absl::Status attach_payload(StreamFrame& frame) {
   if (frame.header.has_crc32() && frame.header.crc32() != frame.payload.crc32()) {

@@ -11,8 +11,10 @@
 #include "absl/status/status.h"
 #include "proto/wire/byte_run.hpp"
 #include "segserve/v1/stream.pb.h"
+#include "server/access/subject.hpp"
 #include "server/frames/frame_settings.hpp"
 #include "server/memory/frame_memory.hpp"
+#include "server/observe/frame_record.hpp"
 #include "server/stream/frame_executor.hpp"
 #include "server/stream/outbox.hpp"
 
@@ -23,12 +25,14 @@ struct StreamFrame {
   using Time = FrameSettings::Time;
   enum class State { kUploading, kQueued, kRunning, kDone };
 
-  explicit StreamFrame(v1::FrameHeader frame_header) : header(std::move(frame_header)) {}
+  StreamFrame(v1::FrameHeader frame_header, Time arrival);
 
   v1::FrameHeader header;       ///< its cloud gets the payload's bytes once they have come
   FrameSettings settings;       ///< set before the payload comes
   wire::IncomingBytes payload;  ///< the bytes that have come so far
   FrameMemory memory;           ///< of the payload and the computation
+  QuotaLease quota;             ///< what the frame takes of the limits of its subject
+  FrameRecord record;           ///< goes with the outcome; `work` is the worker's while it computes the frame
 
   State state = State::kUploading;
   FrameExecutor::Ticket ticket = 0;    ///< kQueued

@@ -19,6 +19,7 @@
 #include "proto/wire/request_message.hpp"
 #include "segserve/client/client.hpp"
 #include "segserve/codec/draco.hpp"
+#include "segserve/prompts.hpp"
 #include "segserve/segment.hpp"
 #include "server/server.hpp"
 #include "test/server/support/server_scenes.hpp"
@@ -70,8 +71,12 @@ constexpr std::array kOutputs{
 struct EncodedScene {
   std::string_view codec;
   client::Payload payload;
-  Segmentation expected;  ///< the segmentation of the decoded payload
+  Segmentation expected;       ///< the segmentation of the decoded payload
+  PromptedSelection selected;  ///< by prompts()
 };
+
+/// On the box, and on the wall beside it.
+Prompts prompts() { return {.include = {Pixel{40, 30}, Eigen::Vector3d(-0.1, -0.1, 0.8)}, .exclude = {Pixel{80, 60}}}; }
 
 EncodedScene encode(const CloudView& cloud, const wire::CodecInfo& codec) {
   const v1::Cloud message = wire::to_message(cloud, {.codec = codec.codec}).value();
@@ -79,7 +84,10 @@ EncodedScene encode(const CloudView& cloud, const wire::CodecInfo& codec) {
   Segmentation expected = segment(decoded.cloud, kOptions).value();
   EXPECT_TRUE(describe(decoded.cloud, 1, {}, expected).ok());
   EXPECT_GE(expected.segments, 2U) << codec.name << ": the scene tests nothing";
-  return {codec.name, client::cloud_payload(cloud, {.codec = codec.codec}).value(), std::move(expected)};
+  PromptedSelection selected = select_by_prompts(decoded.cloud, expected, std::nullopt, prompts()).value();
+  EXPECT_TRUE(describe(decoded.cloud, 1, {}, selected).ok());
+  return {codec.name, client::cloud_payload(cloud, {.codec = codec.codec}).value(), std::move(expected),
+          std::move(selected)};
 }
 
 /// The scene in every codec that this build has.
@@ -123,8 +131,9 @@ std::string differences(const Result& result, const Segmentation& expected, cons
 /// Asks in one way for frames.
 class Asker {
  public:
-  Asker(const Client& client, Way way, const Outputs& outputs, bool fallback_to_local)
-      : client_(client), way_(way), outputs_(outputs) {
+  Asker(const Client& client, Way way, const Outputs& outputs, bool fallback_to_local,
+        std::optional<Prompts> prompts = std::nullopt)
+      : client_(client), way_(way), outputs_(outputs), prompts_(std::move(prompts)) {
     if (way == Way::kCall) return;
     client::StreamOptions options{.wait_for_server = false, .fallback_to_local = fallback_to_local};
     if (way == Way::kStream) {
@@ -137,8 +146,8 @@ class Asker {
   }
 
   absl::StatusOr<Result> ask(const client::Payload& payload) {
-    if (!stream_) return client_.segment_payload(payload, kOptions, {.outputs = outputs_});
-    client::FrameOptions frame;
+    if (!stream_) return client_.segment_payload(payload, kOptions, {.outputs = outputs_, .prompts = prompts_});
+    client::FrameOptions frame{.prompts = prompts_};
     if (way_ == Way::kStreamWithOwnFrames) {
       frame.options = kOptions;
       frame.outputs = outputs_;
@@ -153,6 +162,7 @@ class Asker {
   const Client& client_;
   const Way way_;
   const Outputs outputs_;
+  const std::optional<Prompts> prompts_;
   std::optional<client::Stream> stream_;
 };
 
@@ -171,10 +181,11 @@ class Crossed : public testing::TestWithParam<Place> {
   /// Asks for the payload in every way and for every output. `judge` returns what is wrong with an answer, or an empty
   /// string.
   template <typename Judge>
-  void ask_all(const Client& client, std::string_view codec, const client::Payload& payload, Judge judge) const {
+  void ask_all(const Client& client, std::string_view codec, const client::Payload& payload, Judge judge,
+               const std::optional<Prompts>& asked = std::nullopt) const {
     for (const Way way : kWays) {
       for (const OutputsRow& row : kOutputs) {
-        Asker asker(client, way, row.outputs, GetParam().fallback_to_local);
+        Asker asker(client, way, row.outputs, GetParam().fallback_to_local, asked);
         const std::string fault = judge(asker.ask(payload), row.outputs);
         if (!fault.empty()) ADD_FAILURE() << fmt::format("{}, {}, {}: {}", name(way), codec, row.name, fault);
       }
@@ -232,6 +243,46 @@ TEST_P(CrossedResults, AreThoseOfSegmentOnTheDecodedPayload) {
       const std::string parts = differences(*result, scene.expected, outputs);
       return parts.empty() ? "" : fmt::format("it differs in {}", parts);
     });
+  }
+}
+
+/// The server selects the same as this process, however and in whichever codec the cloud comes.
+TEST_P(CrossedResults, SelectAsHere) {
+  for (const EncodedScene& scene : encoded_scenes()) {
+    ask_all(
+        client_, scene.codec, scene.payload,
+        [&](const absl::StatusOr<Result>& result, const Outputs& outputs) {
+          if (!result.ok()) return unexpected_status(result.status());
+          if (!result->selection) return std::string("it has no selection");
+          PromptedSelection expected = scene.selected;
+          if (!outputs.labels && !result->in_this_process) expected.labels.clear();
+          if (!outputs.segments) expected.statistics.reset();
+          if (*result->selection != expected) return std::string("the selection differs");
+          const std::string parts = differences(*result, scene.expected, outputs);
+          return parts.empty() ? "" : fmt::format("it differs in {}", parts);
+        },
+        prompts());
+  }
+}
+
+TEST_P(CrossedResults, PromptsThatSelectNothingAreRefusedAlike) {
+  const EncodedScene& scene = encoded_scenes().front();
+  const std::vector<Prompt> many(kMostPrompts + 1, Pixel{0, 0});
+  const std::pair<Prompts, std::string_view> cases[] = {
+      {{}, "prompts.include: is empty"},
+      {{.include = many}, "prompts.include: has 65 places, but may have at most 64"},
+      {{.include = {Pixel{95, 0}, Pixel{0, 72}}},
+       "prompts: pixel 95,0 has no segmented point; pixel 0,72 is outside the image of 96 x 72 pixels"}};
+  for (const auto& [asked, text] : cases) {
+    ask_all(
+        client_, scene.codec, scene.payload,
+        [&text](const absl::StatusOr<Result>& result, const Outputs&) {
+          const bool is_expected = absl::IsInvalidArgument(result.status()) &&
+                                   wire::details_of(result.status()).reason == wire::ErrorReason::kInvalidField &&
+                                   std::string(result.status().message()).find(text) != std::string::npos;
+          return is_expected ? "" : unexpected_status(result.status());
+        },
+        asked);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -41,6 +43,10 @@ class DeafListener {
   DeafListener& operator=(const DeafListener&) = delete;
 
   int port() const { return port_; }
+  bool has_client(milliseconds time) const {
+    pollfd waiting{.fd = socket_, .events = POLLIN, .revents = 0};
+    return poll(&waiting, 1, static_cast<int>(time.count())) == 1;
+  }
   /// Takes the next connection, and says something on it.
   void answer() const {
     const int connection = accept(socket_, nullptr, nullptr);
@@ -53,6 +59,22 @@ class DeafListener {
   int port_ = 0;
 };
 
+/// As long as it lives, this process can open no file.
+class ShortageOfDescriptors {
+ public:
+  ShortageOfDescriptors() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const rlimit none{.rlim_cur = 0, .rlim_max = before_.rlim_max};
+    EXPECT_EQ(setrlimit(RLIMIT_NOFILE, &none), 0);
+  }
+  ~ShortageOfDescriptors() { setrlimit(RLIMIT_NOFILE, &before_); }
+  ShortageOfDescriptors(const ShortageOfDescriptors&) = delete;
+  ShortageOfDescriptors& operator=(const ShortageOfDescriptors&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
 const ListenAddress kLoopback{"127.0.0.1", "0", false};
 
 TEST(ListenerProbe, TellsSilenceFromAnAnswerAndFromNobody) {
@@ -60,12 +82,12 @@ TEST(ListenerProbe, TellsSilenceFromAnAnswerAndFromNobody) {
   {
     const DeafListener listener;
     free_port = listener.port();
-    EXPECT_EQ(probe_listener(kLoopback, listener.port(), milliseconds(100)), Listener::kSilent);
+    EXPECT_EQ(ListenerProbe(kLoopback, listener.port()).look(milliseconds(100)), Listener::kSilent);
   }
-  EXPECT_EQ(probe_listener(kLoopback, free_port, milliseconds(100)), Listener::kNone);
+  EXPECT_EQ(ListenerProbe(kLoopback, free_port).look(milliseconds(100)), Listener::kNone);
   const DeafListener listener;
   auto answered = std::async(std::launch::async, [&] { listener.answer(); });
-  EXPECT_EQ(probe_listener(kLoopback, listener.port(), seconds(10)), Listener::kAnswers);
+  EXPECT_EQ(ListenerProbe(kLoopback, listener.port()).look(seconds(10)), Listener::kAnswers);
   answered.get();
 }
 
@@ -73,7 +95,7 @@ TEST(ListenerProbe, FindsWhoServesOnAUnixSocket) {
   const std::string path = testing::TempDir() + "listener_probe.sock";
   std::remove(path.c_str());
   const ListenAddress address{path, "", true};
-  EXPECT_EQ(probe_listener(address, 0, milliseconds(100)), Listener::kNone) << "there is no such file";
+  EXPECT_EQ(ListenerProbe(address, 0).look(milliseconds(100)), Listener::kNone) << "there is no such file";
   sockaddr_un name{};
   name.sun_family = AF_UNIX;
   ASSERT_LT(path.size(), sizeof(name.sun_path));
@@ -81,16 +103,16 @@ TEST(ListenerProbe, FindsWhoServesOnAUnixSocket) {
   const int listener = socket(AF_UNIX, SOCK_STREAM, 0);
   ASSERT_EQ(bind(listener, reinterpret_cast<sockaddr*>(&name), sizeof(name)), 0);
   ASSERT_EQ(listen(listener, 8), 0);
-  EXPECT_EQ(probe_listener(address, 0, milliseconds(100)), Listener::kSilent);
+  EXPECT_EQ(ListenerProbe(address, 0).look(milliseconds(100)), Listener::kSilent);
   close(listener);
-  EXPECT_EQ(probe_listener(address, 0, milliseconds(100)), Listener::kNone) << "the file is a leftover";
+  EXPECT_EQ(ListenerProbe(address, 0).look(milliseconds(100)), Listener::kNone) << "the file is a leftover";
   std::remove(path.c_str());
 }
 
 TEST(ListenerWatch, ReportsAListenerThatTakesConnectionsAndSaysNothing) {
   const DeafListener listener;
   std::promise<void> deaf;
-  const ListenerWatch watch(kLoopback, listener.port(), milliseconds(20), [&deaf] { deaf.set_value(); });
+  const ListenerWatch watch({{kLoopback, listener.port()}}, milliseconds(20), [&deaf] { deaf.set_value(); });
   EXPECT_EQ(deaf.get_future().wait_for(seconds(30)), std::future_status::ready);
 }
 
@@ -98,11 +120,31 @@ TEST(ListenerWatch, OneAnswerOutOfThreeIsEnough) {
   const DeafListener listener;
   std::promise<void> deaf;
   auto reported = deaf.get_future();
-  const ListenerWatch watch(kLoopback, listener.port(), milliseconds(200), [&deaf] { deaf.set_value(); });
+  const ListenerWatch watch({{kLoopback, listener.port()}}, milliseconds(200), [&deaf] { deaf.set_value(); });
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(reported.wait_for(milliseconds(50)), std::future_status::timeout);
     listener.answer();
   }
+}
+
+TEST(ListenerWatch, EveryListenerMustAnswer) {
+  const DeafListener first, second;
+  std::promise<void> deaf;
+  auto reported = deaf.get_future();
+  const ListenerWatch watch({{kLoopback, first.port()}, {kLoopback, second.port()}}, milliseconds(100),
+                            [&deaf] { deaf.set_value(); });
+  const auto end = std::chrono::steady_clock::now() + seconds(30);
+  while (reported.wait_for(milliseconds(0)) != std::future_status::ready && std::chrono::steady_clock::now() < end) {
+    if (first.has_client(milliseconds(10))) first.answer();
+  }
+  EXPECT_EQ(reported.wait_for(milliseconds(0)), std::future_status::ready);
+}
+
+TEST(ListenerWatch, NoDescriptorForAProbeIsNoAnswer) {
+  const DeafListener listener;
+  const ListenerProbe probe({"localhost", "0", false}, listener.port());
+  ShortageOfDescriptors shortage;
+  EXPECT_EQ(probe.look(milliseconds(100)), Listener::kNoDescriptors);
 }
 
 TEST(FileDescriptors, AreCountedAndTheirLimitIsRaised) {

@@ -11,6 +11,7 @@
 namespace segserve::server {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 constexpr std::uint64_t kMegabyte = 1'000'000;
@@ -31,15 +32,18 @@ TEST(FrameMemory, GrowsWithTheFrameAndEndsWithItsResult) {
     FrameMemory memory(ledger, {"here", "me"}, kMostVoxels);
     ASSERT_TRUE(memory.receive(kMegabyte).ok());
     EXPECT_EQ(ledger.leased(), kMegabyte);
+    EXPECT_THAT(ledger.use().leased, ElementsAre(kMegabyte, 0, 0)) << "it waits";
     ASSERT_TRUE(memory.decode(10'000, 3 * kMegabyte).ok());
     EXPECT_EQ(ledger.leased(), 4 * kMegabyte + 16 * 10'000);
     ASSERT_TRUE(memory.voxelize(10'000).ok());
     ASSERT_TRUE(memory.segment(frame_of(10'000, 2'000)).ok());
     EXPECT_GT(ledger.leased(), workspace_bytes(10'000, 2'000));
+    EXPECT_THAT(ledger.use().leased, ElementsAre(0, ledger.leased(), 0)) << "it is computed";
     memory.keep_result(123);
+    EXPECT_THAT(ledger.use().leased, ElementsAre(0, 0, 123)) << "its result is not read yet";
     EXPECT_EQ(ledger.leased(), 123U);
   }
-  EXPECT_EQ(ledger.leased(), 0U);
+  EXPECT_THAT(ledger.use().leased, ElementsAre(0, 0, 0));
 }
 
 TEST(FrameMemory, AFrameOfTooManyVoxelsIsToldWhichResolutionFits) {

@@ -132,8 +132,11 @@ TEST(MemoryLedger, AFrameThatCannotGrowCountsAsRefused) {
   auto mine = ledger.lease(kMe, 5);
   ASSERT_TRUE(mine);
   EXPECT_FALSE(ledger.is_short());
+  EXPECT_EQ(ledger.use().refusals, 0U);
   EXPECT_FALSE(mine->resize(20));
   EXPECT_TRUE(ledger.is_short());
+  EXPECT_EQ(ledger.use().refusals, 1U);
+  EXPECT_TRUE(ledger.use().is_short);
 }
 
 TEST(MemoryLedger, ManyStreamsOfOneAddressShareItsPart) {

@@ -31,6 +31,12 @@ TEST(ListenAddress, RefusesEverythingElse) {
   }
 }
 
+TEST(ListenAddress, BoundsThePathOfAUnixSocket) {
+  EXPECT_TRUE(parse_listen_address("unix:/" + std::string(106, 'x')).ok());
+  const absl::Status refused = parse_listen_address("unix:/" + std::string(107, 'x')).status();
+  EXPECT_NE(refused.message().find("at most 107 bytes"), std::string::npos) << refused;
+}
+
 TEST(ListenAddress, KnowsWhoCanReachIt) {
   for (const char* text : {"localhost:1", "127.0.0.1:1", "127.9.9.9:1", "[::1]:1", "unix:/a"}) {
     EXPECT_TRUE(parse_listen_address(text)->is_loopback()) << text;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gmock/gmock.h"
@@ -42,6 +43,59 @@ TEST(ServerOptions, PlainTextBeyondLoopbackMustBeAllowed) {
   EXPECT_THAT(wrong_flags(options), testing::ElementsAre("listen"));
   options.insecure_beyond_loopback = true;
   EXPECT_THAT(wrong_flags(options), testing::IsEmpty());
+  options.insecure_beyond_loopback = false;
+  options.tls_cert = options.tls_key = "a file";
+  EXPECT_THAT(wrong_flags(options), testing::IsEmpty());
+}
+
+TEST(ServerOptions, TlsNeedsACertificateAndItsKey) {
+  ServerOptions options;
+  options.tls_cert = "a file";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("tls-cert"));
+  std::swap(options.tls_cert, options.tls_key);
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("tls-key"));
+  options.tls_key.clear();
+  options.tls_client_ca = "a file";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("tls-client-ca"));
+}
+
+TEST(ServerOptions, EachServerHasAnAddressOfItsOwn) {
+  ServerOptions options;
+  options.listen = options.health_listen = options.metrics_listen = "127.0.0.1:0";
+  EXPECT_THAT(wrong_flags(options), testing::IsEmpty()) << "port 0 is another one each time";
+  options.listen = options.metrics_listen = "127.0.0.1:50051";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("metrics-listen"));
+  options.health_listen = "127.0.0.1:50051";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("health-listen", "metrics-listen", "metrics-listen"));
+}
+
+TEST(ServerOptions, AUnixSocketHasNoTls) {
+  ServerOptions options;
+  options.listen = "unix:/tmp/socket";
+  options.tls_cert = options.tls_key = "a file";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("tls-cert"));
+}
+
+TEST(ServerOptions, TokensInPlainTextBeyondLoopbackMustBeAllowed) {
+  ServerOptions options;
+  options.tokens = "tokens.toml";
+  EXPECT_THAT(wrong_flags(options), testing::IsEmpty());
+  options.listen = "0.0.0.0:0";
+  options.insecure_beyond_loopback = true;
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("tokens"));
+  options.insecure_tokens = true;
+  EXPECT_THAT(wrong_flags(options), testing::IsEmpty());
+}
+
+TEST(ServerOptions, JsonWebTokensNeedTheirIssuerAndAudience) {
+  ServerOptions options;
+  options.jwt_keys = "keys.json";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("jwt-issuer", "jwt-audience"));
+  options.jwt_issuer = "https://idp.example";
+  options.jwt_audience = "segserve";
+  EXPECT_THAT(wrong_flags(options), testing::IsEmpty());
+  options.jwt_keys = "";
+  EXPECT_THAT(wrong_flags(options), testing::ElementsAre("jwt-issuer", "jwt-audience"));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <string>
 
 #include "gmock/gmock.h"
-#include "grpcpp/generic/generic_stub.h"
 #include "proto/wire/options_message.hpp"
 #include "segserve/options.hpp"
 #include "test/server/support/running_server.hpp"
@@ -79,48 +78,6 @@ TEST(ServerInfo, DefaultsAreThoseOfThisServer) {
   EXPECT_EQ(defaults.at("threshold"), 0.5);
   EXPECT_EQ(defaults.at("threads"), 1);
   EXPECT_FALSE(defaults.contains("regions"));
-}
-
-/// Asks grpc.reflection.v1alpha for its list of services. Uses bytes instead of generated messages, which would be in
-/// this process twice.
-absl::StatusOr<std::string> reflected_services(RunningServer& server) {
-  grpc::GenericStub stub(server.channel());
-  grpc::CompletionQueue queue;
-  grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + std::chrono::seconds(20));
-  void* tag = nullptr;
-  bool ok = false;
-  const auto call =
-      stub.PrepareCall(&context, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", &queue);
-  call->StartCall(nullptr);
-  queue.Next(&tag, &ok);
-  const grpc::Slice list_services(std::string("\x3a\x01*"));  // field 7 is a string of 1 byte
-  call->WriteLast(grpc::ByteBuffer(&list_services, 1), {}, nullptr);
-  queue.Next(&tag, &ok);
-  grpc::ByteBuffer response;
-  call->Read(&response, nullptr);
-  queue.Next(&tag, &ok);
-  grpc::Slice bytes;
-  const bool has_response = ok && response.DumpToSingleSlice(&bytes).ok();
-  grpc::Status status;
-  call->Finish(&status, nullptr);
-  queue.Next(&tag, &ok);
-  if (!status.ok()) return wire::from_grpc(status);
-  EXPECT_TRUE(has_response);
-  return std::string(reinterpret_cast<const char*>(bytes.begin()), bytes.size());
-}
-
-TEST(Reflection, ListsOurServiceAndHealthIfItIsAskedFor) {
-  ServerOptions options = small_server();
-  options.reflection = true;
-  RunningServer server(options);
-  const auto services = reflected_services(server);
-  ASSERT_TRUE(services.ok()) << services.status();
-  EXPECT_THAT(*services, testing::HasSubstr("segserve.v1.SegmentationService"));
-  EXPECT_THAT(*services, testing::HasSubstr("grpc.health.v1.Health"));
-
-  RunningServer without;
-  EXPECT_TRUE(absl::IsUnimplemented(reflected_services(without).status()));
 }
 
 }  // namespace

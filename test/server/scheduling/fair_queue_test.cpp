@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "server/scheduling/fair_queue.hpp"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <string>
@@ -73,6 +74,66 @@ std::vector<std::chrono::nanoseconds> simulate(const std::vector<Load>& loads, s
   }
   EXPECT_LT(queue.clients(), 1000U) << "clients that are gone are forgotten";
   return got;
+}
+
+/// Starts all jobs, one after the other, and returns their tickets in this order.
+std::vector<Ticket> start_all(FairQueue& queue) {
+  std::vector<Ticket> order;
+  while (const auto started = queue.start_next()) {
+    order.push_back(started->ticket);
+    queue.finish(started->ticket, 1ms);
+  }
+  return order;
+}
+
+TEST(FairQueue, FlowsOfAClientTakeTurnsByTheirPoints) {
+  FairQueue queue(kWide);
+  const auto push = [&queue](const char* flow, std::uint64_t points) {
+    return must_push(queue, {.client = "c", .flow = flow, .points = points});
+  };
+  const Ticket a = push("busy", 100'000), b = push("busy", 100'000), c = push("busy", 100'000);
+  const Ticket d = push("small", 10'000), e = push("small", 10'000), f = push("late", 10'000);
+  EXPECT_THAT(start_all(queue), ElementsAre(a, d, f, e, b, c));
+}
+
+TEST(FairQueue, AFlowSavesNothingWhileItIsAway) {
+  FairQueue queue(kWide);
+  const auto push = [&queue](const char* flow) {
+    return must_push(queue, {.client = "c", .flow = flow, .points = 10'000});
+  };
+  for (int i = 0; i < 100; ++i) push("present");
+  EXPECT_EQ(start_all(queue).size(), 100U);
+  std::vector<Ticket> absent;
+  for (int i = 0; i < 6; ++i) {
+    push("present");
+    absent.push_back(push("absent"));
+  }
+  std::vector<Ticket> order = start_all(queue);
+  EXPECT_EQ(order.front(), absent.front());
+  order.resize(6);
+  const auto its = std::ranges::count_if(order, [&](Ticket t) { return std::ranges::find(absent, t) != absent.end(); });
+  EXPECT_GE(its, 3);
+  EXPECT_LE(its, 4);
+}
+
+TEST(FairQueue, PrioritiesOfAClientGoBeforeItsFlows) {
+  FairQueue queue(kWide);
+  const Ticket a = must_push(queue, {.client = "c", .flow = "1", .priority = 1});
+  const Ticket b = must_push(queue, {.client = "c", .flow = "1", .priority = 1});
+  const Ticket c = must_push(queue, {.client = "c", .flow = "2", .priority = 0});
+  EXPECT_THAT(start_all(queue), ElementsAre(a, b, c));
+}
+
+TEST(FairQueue, AClientOfManyFlowsHasThePartOfOneClient) {
+  FairQueue queue(kWide);
+  for (int flow = 0; flow < 50; ++flow) {
+    must_push(queue, {.client = "many", .flow = std::to_string(flow), .points = 10'000});
+  }
+  std::vector<Ticket> one;
+  for (int i = 0; i < 5; ++i) one.push_back(must_push(queue, {.client = "one", .points = 10'000}));
+  std::vector<Ticket> order = start_all(queue);
+  order.resize(10);
+  for (const Ticket ticket : one) EXPECT_THAT(order, testing::Contains(ticket));
 }
 
 TEST(FairQueue, JobsOfOneClientComeByPriorityThenByArrival) {

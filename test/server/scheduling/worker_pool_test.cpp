@@ -76,6 +76,29 @@ TEST(WorkerPool, RefusesWhatItsQueueCannotHold) {
   gate.go.set_value();
 }
 
+TEST(WorkerPool, TellsWhatItDoes) {
+  Gate gate;
+  WorkerPool pool(2, at_most(5));
+  ASSERT_TRUE(submit(pool, gate.job()));
+  gate.begun.get_future().wait();
+  EXPECT_EQ(pool.state().longest_wait, 0ns);
+  Gate second;
+  ASSERT_TRUE(submit(pool, second.job()));
+  second.begun.get_future().wait();
+  ASSERT_TRUE(submit(pool, [](std::size_t) {}));
+  std::this_thread::sleep_for(2ms);
+  ASSERT_TRUE(submit(pool, [](std::size_t) {}));
+  const PoolState state = pool.state();
+  EXPECT_EQ(state.workers, 2U);
+  EXPECT_EQ(state.busy_workers, 2U);
+  EXPECT_EQ(state.waiting, 2U);
+  EXPECT_GE(state.longest_wait, 2ms) << "that of the older job";
+  EXPECT_EQ(state.held.jobs, 4U);
+  EXPECT_EQ(state.bounds.jobs, 5U);
+  gate.go.set_value();
+  second.go.set_value();
+}
+
 TEST(WorkerPool, AWithdrawnJobNeverRunsAndFreesItsPlace) {
   Gate gate;
   std::atomic<int> ran = 0;

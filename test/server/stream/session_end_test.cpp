@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tests how a stream ends. Clock and workers are in the test's hands.
+#include <chrono>
+
 #include "gtest/gtest.h"
 #include "test/server/support/session_harness.hpp"
 
@@ -23,6 +25,10 @@ TEST(Session, HalfCloseInTheMiddleOfAFrameFailsIt) {
   harness.open();
   harness.say_header(SentFrame(1).header);
   harness.session->on_half_close();
+  harness.session->on_tick();
+  EXPECT_TRUE(harness.read().empty()) << "the client may have vanished";
+  harness.now += std::chrono::milliseconds(100);
+  harness.session->on_tick();
   EXPECT_EQ(reason_of(harness.outcome()), wire::ErrorReason::kMalformedPayload);
   EXPECT_EQ(harness.session->ended(), absl::OkStatus());
 }
@@ -47,6 +53,70 @@ TEST(Session, DrainingLetsFramesFinishAndRefusesLaterOnes) {
   ASSERT_TRUE(ended);
   EXPECT_EQ(ended->code(), absl::StatusCode::kUnavailable);
   EXPECT_TRUE(wire::details_of(*ended).retry_delay);
+}
+
+TEST(Session, DrainingDoesNotInterruptTheBytesOfAResult) {
+  SessionHarness harness;
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.compute();
+  SessionHarness::Response response;
+  ASSERT_TRUE(harness.session->next(response));
+  ASSERT_GT(response.outcome().encoded_bytes(), 0U);
+  harness.session->start_draining();
+  const auto said = harness.read();
+  ASSERT_EQ(said.size(), 2U);
+  EXPECT_TRUE(said[0].has_chunk());
+  EXPECT_TRUE(said[1].has_draining());
+}
+
+TEST(Session, AnOldStreamIsAskedToMoveAndTakesFramesForAGrace) {
+  using namespace std::chrono_literals;
+  SessionHarness harness;
+  harness.settings.max_age = 60s;
+  harness.settings.age_grace = 20s;
+  const auto born = harness.now;
+  harness.open();
+  const auto pass_to = [&](std::chrono::seconds age) {
+    harness.now = born + age;
+    harness.session->on_tick();
+  };
+  pass_to(54s - 1s);
+  EXPECT_TRUE(harness.read().empty());
+  pass_to(66s);
+  auto said = harness.read();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].draining().reason(), v1::DRAIN_REASON_STREAM_AGE);
+  pass_to(66s);
+  EXPECT_TRUE(harness.read().empty()) << "it is asked once";
+  EXPECT_FALSE(harness.session->ended());
+
+  harness.send(SentFrame(1));
+  pass_to(87s);  // the grace is over
+  harness.send(SentFrame(2));
+  ASSERT_EQ(harness.executor.queued(), 1U);
+  harness.compute();
+  const auto outcomes = harness.outcomes();
+  ASSERT_EQ(outcomes.size(), 2U);
+  EXPECT_EQ(outcomes[0].kind(), v1::OUTCOME_KIND_RESULT);
+  EXPECT_EQ(reason_of(outcomes[1]), wire::ErrorReason::kDraining);
+  const auto ended = harness.session->ended();
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->code(), absl::StatusCode::kUnavailable);
+  EXPECT_EQ(wire::details_of(*ended).reason, wire::ErrorReason::kDraining);
+}
+
+TEST(Session, AnOldStreamHearsThatTheServerStops) {
+  SessionHarness harness;
+  harness.settings.max_age = std::chrono::seconds(60);
+  harness.open();
+  harness.send(SentFrame(1));
+  harness.now += std::chrono::seconds(67);
+  harness.session->on_tick();
+  harness.session->start_draining();
+  const auto said = harness.read();
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].draining().reason(), v1::DRAIN_REASON_UNSPECIFIED);
 }
 
 TEST(Session, AnIdleStreamEndsAtOnceWhenTheServerDrains) {

@@ -28,8 +28,8 @@ inline ServerOptions small_server() {
 class RunningServer {
  public:
   explicit RunningServer(const ServerOptions& options = small_server(),
-                         const BackendFactory& factory = core_backend_factory())
-      : server_(Server::start(options, factory).value()) {
+                         const BackendFactory& factory = core_backend_factory(), ServiceObservers observers = {})
+      : server_(Server::start(options, factory, std::move(observers)).value()) {
     grpc::ChannelArguments arguments;
     arguments.SetMaxReceiveMessageSize(wire::kClientReceiveBytes);
     channel_ = grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments);

@@ -21,6 +21,7 @@
 #include "proto/wire/status_message.hpp"
 #include "server/stream/stream_session.hpp"
 #include "test/server/support/fake_backend.hpp"
+#include "test/server/support/record_keeper.hpp"
 #include "test/server/support/server_scenes.hpp"
 
 namespace segserve::server {
@@ -86,7 +87,9 @@ class SessionHarness {
     settings.credit = {.most_per_stream = credit, .default_bytes_per_stream = credit.bytes};
     settings.ledger = &ledger;
     settings.max_voxels = 1000;
-    session = std::make_shared<StreamSession>(settings, MemoryOwner{"here", "me"}, executor, [this] { ++wakes; });
+    settings.observers = ServiceObservers({records});
+    session = std::make_shared<StreamSession>(settings, MemoryOwner{"here", "me"}, Caller{.peer = "me"}, executor,
+                                              [this] { ++wakes; });
   }
 
   static ServerOptions limited(std::uint32_t threads = 1) {
@@ -160,6 +163,7 @@ class SessionHarness {
 
   static constexpr std::uint64_t kMemory = 1 << 20;
   MemoryLedger ledger{kMemory};
+  std::shared_ptr<RecordKeeper> records = std::make_shared<RecordKeeper>();
   StreamSettings settings{.resolver = FrameResolver(limited())};  // not to be changed after `open`
   StreamSettings::Clock::time_point now =
       StreamSettings::Clock::now() + std::chrono::hours(1);  // so that no real time expires

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <unistd.h>
+
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "server/options/listen_address.hpp"
+
+namespace segserve::server {
+
+/// A file descriptor that is closed with its object.
+class Socket {
+ public:
+  Socket() = default;
+  explicit Socket(int descriptor) : descriptor_(descriptor) {}
+  Socket(Socket&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  Socket& operator=(Socket&& other) noexcept {
+    std::swap(descriptor_, other.descriptor_);
+    return *this;
+  }
+  ~Socket() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+
+  int descriptor() const { return descriptor_; }
+  bool is_open() const { return descriptor_ >= 0; }
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// A socket that listens at the address and does not block. UNAVAILABLE with the reason if that fails.
+absl::StatusOr<Socket> listen_at(const ListenAddress& address);
+
+/// The port of a socket that listens, and whether its address is one of IPv6.
+int port_of(const Socket& socket);
+bool is_ipv6(const Socket& socket);
+
+}  // namespace segserve::server
