@@ -12,7 +12,7 @@
 namespace segserve::client {
 
 absl::StatusOr<wire::Result> decode_answer(const v1::SegmentationResult& message, std::optional<std::uint64_t> points,
-                                           const wire::Outputs& wanted) {
+                                           const wire::Outputs& wanted, bool wants_tracks) {
   const auto broken = [](std::string_view why) {
     return absl::InternalError(fmt::format("the answer is broken: {}", why));
   };
@@ -29,6 +29,10 @@ absl::StatusOr<wire::Result> decode_answer(const v1::SegmentationResult& message
                         (!wanted.tree || got.tree.leaf_count() == result->supervoxels) &&
                         (!wanted.segments || got.statistics.size() == std::min(got.segments, kMostDescribedSegments));
   if (!complete) return broken("it lacks arrays that were asked for");
+  if (wants_tracks && !result->tracks) {
+    return absl::UnimplementedError(
+        fmt::format("the server, version {}, does not follow objects over time", result->server_version));
+  }
   return result;
 }
 

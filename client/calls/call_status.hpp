@@ -12,4 +12,7 @@ namespace segserve::client {
 /// server asked for that, and `address` if the connection failed.
 absl::Status call_status(const grpc::Status& status, std::string_view address);
 
+/// Whether a call failed because the server took the connection by TCP, but did not understand it, or was not trusted.
+bool handshake_failed(const grpc::Status& status);
+
 }  // namespace segserve::client

@@ -6,16 +6,17 @@
 
 #include "client/calls/answer.hpp"
 #include "client/calls/channels.hpp"
+#include "client/calls/connected_channels.hpp"
 #include "client/calls/local.hpp"
 #include "client/calls/payload_data.hpp"
 #include "client/calls/repeated_call.hpp"
 #include "client/calls/request.hpp"
-#include "client/stream/address_book.hpp"
 #include "client/stream/stream_threads.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "grpc/health/v1/health.grpc.pb.h"
 #include "proto/wire/status_message.hpp"
+#include "proto/wire/traceparent.hpp"
 #include "segserve/v1/segmentation_service.grpc.pb.h"
 
 namespace segserve::client {
@@ -59,10 +60,12 @@ class Client::State {
   absl::StatusOr<Result> segment(const v1::SegmentRequest& request, const CallOptions& options,
                                  std::optional<std::uint64_t> points) const {
     v1::SegmentResponse response;
+    RETURN_IF_ERROR(wire::check_traceparent(options.traceparent));  // gRPC ends a process that sends other bytes
     RETURN_IF_ERROR(call(options.timeout, [&](const auto& channel, grpc::ClientContext& context) {
+      if (!options.traceparent.empty()) context.AddMetadata(wire::kTraceparentKey, options.traceparent);
       return Service::Stub(channel).Segment(&context, request, &response);
     }));
-    return decode_answer(response.result(), points, options.outputs);
+    return decode_answer(response.result(), points, options.outputs, options.tracking.has_value());
   }
 
   bool falls_back(const absl::Status& status) const {
@@ -80,11 +83,7 @@ class Client::State {
 };
 
 absl::StatusOr<Client> Client::connect(ClientOptions options) {
-  ASSIGN_OR_RETURN(std::vector<std::string> addresses, parse_addresses(options.address));
-  if (options.timeout <= std::chrono::milliseconds::zero()) {
-    return absl::InvalidArgumentError(fmt::format("timeout: {} ms is not above 0", options.timeout.count()));
-  }
-  auto channels = std::make_shared<Channels>(std::move(addresses), options.use_proxy);
+  ASSIGN_OR_RETURN(std::shared_ptr<Channels> channels, make_channels(options));
   return Client(std::make_shared<const State>(std::move(channels), std::move(options)));
 }
 
@@ -106,7 +105,8 @@ absl::StatusOr<Result> Client::segment(const CloudView& cloud, const Options& op
     auto result = state_->segment(*request, call, cloud.size());
     if (!state_->falls_back(result.status())) return result;
     const StopToken stop = state_->until_deadline(start, call);
-    return segment_here(make_payload(request->cloud(), cloud.size()), options, call.outputs, stop);
+    return segment_here(make_payload(request->cloud(), cloud.size()), options, call.outputs, stop, call.prompts,
+                        call.tracking);
   }
   if (!is_too_large(request.status())) return request.status();
   const bool compress = call.compress != Compress::kNever;
@@ -122,7 +122,7 @@ absl::StatusOr<Result> Client::segment_payload(const Payload& payload, const Opt
   if (!request.ok()) return or_else(stream_one(payload, options, call), request.status());
   auto result = state_->segment(*request, call, std::nullopt);
   if (!state_->falls_back(result.status())) return result;
-  return segment_here(payload, options, call.outputs, state_->until_deadline(start, call));
+  return segment_here(payload, options, call.outputs, state_->until_deadline(start, call), call.prompts, call.tracking);
 }
 
 absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::optional<View> view,
@@ -133,6 +133,7 @@ absl::StatusOr<Result> Client::segment_pcd_file(std::string file_bytes, std::opt
 absl::StatusOr<Result> Client::stream_one(Payload payload, const Options& options, const CallOptions& call) const {
   const ClientOptions& client_options = state_->options();
   StreamOptions stream_options{.options = options, .outputs = call.outputs};
+  stream_options.max_servers = 1;
   stream_options.max_in_flight = 1;
   stream_options.wanted_bytes = payload.bytes();
   stream_options.frame_timeout = call.timeout.value_or(client_options.timeout);
@@ -140,7 +141,9 @@ absl::StatusOr<Result> Client::stream_one(Payload payload, const Options& option
   stream_options.wait_for_server = client_options.wait_for_server;
   stream_options.fallback_to_local = client_options.fallback_to_local;
   ASSIGN_OR_RETURN(Stream stream, open_stream(std::move(stream_options)));
-  RETURN_IF_ERROR(stream.send(std::move(payload), {.request_id = call.request_id}).status());
+  FrameOptions frame{.prompts = call.prompts, .request_id = call.request_id, .traceparent = call.traceparent};
+  frame.tracking = call.tracking;
+  RETURN_IF_ERROR(stream.send(std::move(payload), std::move(frame)).status());
   std::optional<Outcome> outcome = stream.next();
   if (outcome->kind != OutcomeKind::kResult) return outcome->status;
   return *std::move(outcome->result);
@@ -154,10 +157,12 @@ absl::StatusOr<ServerInfo> Client::server_info(Timeout timeout) const {
   return info;
 }
 
-absl::Status Client::health(Timeout timeout) const {
+absl::Status Client::health(Timeout timeout, const std::string& service) const {
+  HealthRequest request;
+  request.set_service(service);
   HealthResponse response;
   RETURN_IF_ERROR(state_->call(timeout, [&](const auto& channel, grpc::ClientContext& context) {
-    return Health::Stub(channel).Check(&context, HealthRequest(), &response);
+    return Health::Stub(channel).Check(&context, request, &response);
   }));
   if (response.status() == HealthResponse::SERVING) return absl::OkStatus();
   return absl::UnavailableError(

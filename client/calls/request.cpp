@@ -9,8 +9,10 @@
 #include "core/base/status_macros.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
+#include "proto/wire/prompts_message.hpp"
 #include "proto/wire/request_message.hpp"
 #include "proto/wire/status_message.hpp"
+#include "proto/wire/track_message.hpp"
 #include "proto/wire/transport_limits.hpp"
 
 namespace segserve::client {
@@ -21,6 +23,8 @@ v1::SegmentRequest request_without_cloud(const Options& options, const CallOptio
   request.set_request_id(call.request_id);
   *request.mutable_options() = wire::to_message(options);
   *request.mutable_outputs() = wire::to_message(call.outputs);
+  if (call.prompts) *request.mutable_prompts() = wire::to_message(*call.prompts);
+  if (call.tracking) *request.mutable_tracking() = wire::to_message(*call.tracking);
   return request;
 }
 

@@ -39,6 +39,22 @@ absl::Status too_late(const QueuedFrame& frame, const absl::Status& connection_e
 
 }  // namespace
 
+Delivery* QueuedFrame::delivery_on(ConnectionId connection) {
+  const auto found = std::ranges::find(deliveries, connection, &Delivery::connection);
+  return found == deliveries.end() ? nullptr : &*found;
+}
+
+void QueuedFrame::report_on(const Delivery& delivery) {
+  report().header_sent = delivery.header_sent;
+  report().payload_sent = delivery.payload_sent;
+  report().outcome_begun = delivery.outcome_begun;
+  report().bytes_sent = delivery.bytes_sent;
+}
+
+void QueuedFrame::forget_delivery(ConnectionId connection) {
+  std::erase_if(deliveries, [&](const Delivery& delivery) { return delivery.connection == connection; });
+}
+
 std::size_t FrameQueue::waiting() const { return count(frames_, is_waiting); }
 
 std::size_t FrameQueue::unfinished() const { return count(frames_, is_unfinished); }
@@ -57,6 +73,7 @@ std::uint64_t FrameQueue::accept(FrameRequest request, Time now) {
   frame.ready_at = now;
   frame.undecoded.points = request.payload.points();
   frame.undecoded.outputs = request.outputs;
+  frame.undecoded.wants_tracks = request.tracking.has_value();
   frame.report().handed_over = now;
   Outcome& outcome = frame.undecoded.outcome;
   outcome.sequence = frame.sequence;
@@ -73,7 +90,18 @@ QueuedFrame* FrameQueue::find(std::uint64_t sequence) {
   return found == frames_.end() ? nullptr : &found->second;
 }
 
+QueuedFrame* FrameQueue::next_in_chain(Time now) {
+  const auto found = std::ranges::find_if(frames_, [](const auto& entry) { return is_unfinished(entry.second); });
+  if (found == frames_.end()) return nullptr;
+  QueuedFrame& frame = found->second;
+  const bool ready = is_waiting(frame) && frame.ready_at <= now && frame.deadline > now;
+  if (!ready || in_flight() >= options_.max_in_flight) return nullptr;
+  frame.request.tracking->state = track_state_;
+  return &frame;
+}
+
 QueuedFrame* FrameQueue::next_to_send(Time now) {
+  if (options_.tracking) return next_in_chain(now);
   const bool full = in_flight() >= options_.max_in_flight;
   QueuedFrame* best = nullptr;
   for (auto& [sequence, frame] : frames_) {
@@ -86,16 +114,23 @@ QueuedFrame* FrameQueue::next_to_send(Time now) {
   return full ? nullptr : best;
 }
 
-std::vector<QueuedFrame*> FrameQueue::sent_on(ConnectionId connection) {
+std::vector<QueuedFrame*> FrameQueue::sent() {
   std::vector<QueuedFrame*> sent;
   for (auto& [sequence, frame] : frames_) {
-    if (frame.state == State::kSent && frame.connection == connection) sent.push_back(&frame);
+    if (frame.state == State::kSent) sent.push_back(&frame);
   }
   return sent;
 }
 
+std::vector<QueuedFrame*> FrameQueue::sent_on(ConnectionId connection) {
+  std::vector<QueuedFrame*> frames = sent();
+  std::erase_if(frames, [&](QueuedFrame* frame) { return frame->delivery_on(connection) == nullptr; });
+  return frames;
+}
+
 void FrameQueue::end(QueuedFrame& frame, OutcomeKind kind, absl::Status status, Time now) {
   frame.state = State::kDone;
+  frame.deliveries.clear();
   ++ended_;
   frame.undecoded.outcome.kind = kind;
   frame.undecoded.outcome.status = std::move(status);
@@ -117,23 +152,20 @@ void FrameQueue::fail_waiting(const absl::Status& status, Time now) {
   }
 }
 
-std::size_t FrameQueue::sent() const {
-  return count(frames_, [](const QueuedFrame& frame) { return frame.state == State::kSent; });
-}
-
 void FrameQueue::end_late(QueuedFrame& frame, const absl::Status& connection_error, Time now) {
   if (frame.can_expire()) return end(frame, OutcomeKind::kExpired, status_of(OutcomeKind::kExpired), now);
   end(frame, OutcomeKind::kFailed, too_late(frame, connection_error), now);
 }
 
-std::vector<QueuedFrame*> FrameQueue::end_overdue(const absl::Status& connection_error, Time now) {
-  std::vector<QueuedFrame*> sent;
+std::vector<std::pair<QueuedFrame*, std::vector<Delivery>>> FrameQueue::end_overdue(
+    const absl::Status& connection_error, Time now) {
+  std::vector<std::pair<QueuedFrame*, std::vector<Delivery>>> sent;
   for (auto& [sequence, frame] : frames_) {
     if (!is_unfinished(frame)) continue;
     if (is_waiting(frame) && frame.expires && *frame.expires <= now) {
       end(frame, OutcomeKind::kExpired, status_of(OutcomeKind::kExpired), now);
     } else if (frame.deadline <= now) {
-      if (frame.state == State::kSent) sent.push_back(&frame);
+      if (frame.state == State::kSent) sent.emplace_back(&frame, frame.deliveries);
       end(frame, OutcomeKind::kFailed, too_late(frame, connection_error), now);
     }
   }
@@ -147,6 +179,7 @@ void FrameQueue::send_again(QueuedFrame& frame, absl::Status error, Time ready_a
     return end(frame, OutcomeKind::kFailed, std::move(error), now);
   }
   frame.state = State::kWaiting;
+  frame.deliveries.clear();
   frame.ready_at = ready_at;
   frame.last_error = std::move(error);
 }

@@ -6,9 +6,13 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "client/fleet/server_list.hpp"
 #include "client/stream/frame_request.hpp"
 #include "client/stream/undecoded_outcome.hpp"
 #include "segserve/client/frame.hpp"
@@ -19,11 +23,20 @@ namespace segserve::client {
 /// Names one connection of a stream; never used twice.
 using ConnectionId = std::uint64_t;
 
+/// A frame on its way to one server and back.
+struct Delivery {
+  ConnectionId connection = 0;
+  Time sent_at = {};  ///< when it began
+  // As in FrameReport.
+  Time header_sent = {}, payload_sent = {}, outcome_begun = {};
+  std::uint64_t bytes_sent = 0;
+};
+
 /// A frame from hand-over to outcome.
 struct QueuedFrame {
   enum class State {
     kWaiting,  ///< to be sent, or to be sent again
-    kSent,     ///< on `connection`, in part or as a whole
+    kSent,     ///< in part or as a whole, to one server or several
     kLocal,    ///< being segmented in this process
     kDone,     ///< has its outcome, which nobody has taken yet
   };
@@ -34,17 +47,23 @@ struct QueuedFrame {
   std::optional<Time> expires;  ///< of its use
 
   State state = State::kWaiting;
-  Time ready_at = {};           ///< kWaiting: not to be sent before
-  Time sent_at = {};            ///< kSent: when that began
-  ConnectionId connection = 0;  ///< kSent
-  bool cancelled = false;       ///< by the application, while it was kSent
-  absl::Status last_error;      ///< why it is sent again
+  Time ready_at = {};                ///< not to be sent, or sent to yet another server, before
+  std::vector<Delivery> deliveries;  ///< kSent: at least one; else none
+  std::set<ServerId> failed_at;      ///< servers that did not bring its outcome
+  bool cancelled = false;            ///< by the application, while it was kSent
+  absl::Status last_error;           ///< why it is sent again
   UndecodedOutcome undecoded;
 
   FrameReport& report() { return undecoded.outcome.report; }
+  /// Null if the frame was not sent on the connection, or that was given up.
+  Delivery* delivery_on(ConnectionId connection);
+  /// The report tells about this delivery from now on.
+  void report_on(const Delivery& delivery);
+  /// The connection will not bring the outcome.
+  void forget_delivery(ConnectionId connection);
   /// Whether its use ends no later than its deadline.
   bool can_expire() const { return expires && *expires <= deadline; }
-  /// From then on its result is of no use.
+  /// The time from which on its result is of no use.
   Time useful_until() const { return can_expire() ? *expires : deadline; }
 };
 
@@ -67,13 +86,16 @@ class FrameQueue {
   std::uint64_t accept(FrameRequest request, Time now);
   /// Null for unknown frames and those whose outcome was taken.
   QueuedFrame* find(std::uint64_t sequence);
-  /// The waiting frame that goes next, if the window has room for one; null if there is none.
+  /// The waiting frame that goes next, if the window has room for one; null if there is none. In a stream that follows
+  /// objects it is the oldest frame without an outcome, and has the state that the frames before it left.
   QueuedFrame* next_to_send(Time now);
-  /// The frames that were sent on a connection and have no outcome.
+  /// A frame has ended with this state of the tracks, which the next one goes on from.
+  void keep_track_state(std::string state) { track_state_ = std::move(state); }
+  /// The frames that are sent and have no outcome, in the order of their hand-over.
+  std::vector<QueuedFrame*> sent();
+  /// The frames without an outcome that were sent on a connection.
   std::vector<QueuedFrame*> sent_on(ConnectionId connection);
 
-  /// How many frames are sent and have no outcome.
-  std::size_t sent() const;
   /// Ends a frame whose result would come too late: as kExpired or kFailed, by which of its times is over first.
   void end_late(QueuedFrame& frame, const absl::Status& connection_error, Time now);
   /// Gives the frame its outcome.
@@ -83,8 +105,9 @@ class FrameQueue {
   /// Ends all frames that are to be sent, as failed.
   void fail_waiting(const absl::Status& status, Time now);
   /// Ends the frames whose time to live or deadline is over. `connection_error` is told to those that know no error of
-  /// their own. Returns those that were sent, so that their servers can be told.
-  std::vector<QueuedFrame*> end_overdue(const absl::Status& connection_error, Time now);
+  /// their own. Returns those that were sent, so that their servers can be told, with the deliveries that they had.
+  std::vector<std::pair<QueuedFrame*, std::vector<Delivery>>> end_overdue(const absl::Status& connection_error,
+                                                                          Time now);
   /// The frame waits again, from `ready_at` on. It ends instead if it was cancelled, or was sent too often and `error`
   /// is not that the server had no room.
   void send_again(QueuedFrame& frame, absl::Status error, Time ready_at, Time now);
@@ -97,12 +120,14 @@ class FrameQueue {
 
  private:
   std::size_t in_flight() const;
+  QueuedFrame* next_in_chain(Time now);
 
   const StreamOptions& options_;
   std::map<std::uint64_t, QueuedFrame> frames_;  // by sequence
   std::deque<std::uint64_t> done_;               // in the order in which they ended
   std::uint64_t last_sequence_ = 0;
   std::uint64_t ended_ = 0;
+  std::string track_state_;  // TrackState::bytes
 };
 
 }  // namespace segserve::client

@@ -17,8 +17,12 @@ struct FrameRequest {
   Payload payload;
   Options options;
   wire::Outputs outputs;
+  std::optional<Prompts> prompts;
+  /// Its state is set when the frame is sent if the stream follows objects (FrameQueue::next_to_send).
+  std::optional<wire::TrackRequest> tracking = std::nullopt;
   std::string request_id;
   std::string frame_id;
+  std::string traceparent;  ///< valid, or empty
   std::optional<std::chrono::system_clock::time_point> stamp;
   Time captured = {};  ///< not later than the hand-over
   std::optional<std::chrono::milliseconds> time_to_live;

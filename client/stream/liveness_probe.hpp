@@ -17,8 +17,12 @@ class LivenessProbe {
  public:
   explicit LivenessProbe(const std::shared_ptr<grpc::Channel>& channel) : stub_(channel) {}
 
-  /// Calls `done` once, on a thread of gRPC: with true if the server answered within `timeout`.
+  /// The context of the call, before `start`.
+  grpc::ClientContext& context() { return context_; }
+  /// Calls `done` once, on a thread of gRPC: with true if the server answered within `timeout`, be it with a refusal.
   void start(std::chrono::milliseconds timeout, std::function<void(bool alive)> done);
+  /// The answer is not wanted any more: `done` is called soon, with false.
+  void cancel() { context_.TryCancel(); }
 
  private:
   v1::SegmentationService::Stub stub_;

@@ -12,10 +12,12 @@ class ServiceTime {
  public:
   using Duration = std::chrono::nanoseconds;
 
-  /// A frame took so long.
-  void add(Duration took);
+  /// A frame took so long. `least_weight`, 0 to 1, makes it count for more than RFC 6298 does.
+  void add(Duration took, double least_weight = 0);
   /// A frame took at least so long, and was given up then.
-  void add_at_least(Duration time);
+  void add_at_least(Duration time, double least_weight = 0);
+  /// Zero if none has come yet.
+  Duration mean() const { return mean_.value_or(Duration(0)); }
   /// A time that few frames exceed; zero if none has come yet.
   Duration bound() const { return mean_ ? *mean_ + 4 * deviation_ : Duration(0); }
 

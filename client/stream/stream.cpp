@@ -5,6 +5,7 @@
 
 #include "client/stream/stream_threads.hpp"
 #include "core/base/status_macros.hpp"
+#include "proto/wire/traceparent.hpp"
 
 namespace segserve::client {
 
@@ -35,12 +36,13 @@ absl::StatusOr<std::uint64_t> Stream::send(std::shared_ptr<const Cloud> cloud, F
 }
 
 absl::StatusOr<std::uint64_t> Stream::send(Payload payload, FrameOptions options) {
+  RETURN_IF_ERROR(wire::check_traceparent(options.traceparent));
   return threads_->send(std::move(payload), std::move(options));
 }
 
 absl::StatusOr<std::uint64_t> Stream::send_encoded(absl::StatusOr<Payload> payload, FrameOptions options) {
   RETURN_IF_ERROR(payload.status());
-  return threads_->send(*std::move(payload), std::move(options));
+  return send(*std::move(payload), std::move(options));
 }
 
 std::optional<Outcome> Stream::next(std::optional<std::chrono::milliseconds> timeout) {

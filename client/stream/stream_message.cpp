@@ -6,7 +6,9 @@
 #include <cstdint>
 
 #include "proto/wire/options_message.hpp"
+#include "proto/wire/prompts_message.hpp"
 #include "proto/wire/request_message.hpp"
+#include "proto/wire/track_message.hpp"
 
 namespace segserve::client {
 namespace {
@@ -60,9 +62,12 @@ v1::FrameHeader header_message(const FrameRequest& request, const StreamOptions&
   v1::FrameHeader header;
   header.set_request_id(request.request_id);
   header.set_frame_id(request.frame_id);
+  header.set_traceparent(request.traceparent);
   if (request.stamp) *header.mutable_stamp() = to_message(*request.stamp);
   if (request.options != stream.options) *header.mutable_options() = wire::to_message(request.options);
   if (request.outputs != stream.outputs) *header.mutable_outputs() = wire::to_message(request.outputs);
+  if (request.prompts) *header.mutable_prompts() = wire::to_message(*request.prompts);
+  if (request.tracking) *header.mutable_tracking() = wire::to_message(*request.tracking);
   *header.mutable_time_to_live() = to_message(std::max(end - request.captured, Clock::duration(0)));
   *header.mutable_age() = to_message(now - request.captured);
   header.set_priority(request.priority);

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "segserve/client/stream_options.hpp"
 
+#include <utility>
+
 #include "fmt/format.h"
 
 namespace segserve::client {
 
 std::vector<FieldViolation> violations(const StreamOptions& options) {
   constexpr std::int64_t kMostFrames = 1024;
+  constexpr std::int64_t kMostServers = 64;
   constexpr std::int64_t kDay = 86'400'000;
   std::vector<FieldViolation> faults = segserve::violations(options.options);
   const auto in_range = [&faults](const char* name, std::int64_t value, std::int64_t minimum, std::int64_t maximum) {
@@ -14,8 +17,15 @@ std::vector<FieldViolation> violations(const StreamOptions& options) {
       faults.push_back({name, fmt::format("{} is not in [{}, {}]", value, minimum, maximum)});
     }
   };
+  if (options.tracking) {
+    for (FieldViolation& fault : segserve::violations(*options.tracking)) {
+      faults.push_back({fmt::format("tracking.{}", fault.field), std::move(fault.description)});
+    }
+  }
   in_range("max_in_flight", static_cast<std::int64_t>(options.max_in_flight), 1, kMostFrames);
   in_range("max_waiting", static_cast<std::int64_t>(options.max_waiting), 1, kMostFrames);
+  in_range("max_servers", static_cast<std::int64_t>(options.max_servers), 1, kMostServers);
+  in_range("hedge_after", options.hedge_after.count(), 0, kDay);
   in_range("frame_timeout", options.frame_timeout.count(), 1, kDay);
   in_range("progress_timeout", options.progress_timeout.count(), 2, kDay);
   in_range("longest_outage", options.longest_outage.count(), 0, kDay);

@@ -114,8 +114,10 @@ absl::StatusOr<StreamProtocol::Event> StreamProtocol::receive(SegmentStreamRespo
     case SegmentStreamResponse::kChunk:
       return receive_chunk(message.chunk());
     case SegmentStreamResponse::kDraining:
+      if (message.draining().reason() == v1::DRAIN_REASON_STREAM_AGE) return Event{.kind = Event::kOld};
       draining_ = true;
-      return Event{.kind = Event::kDraining};
+      return Event{.kind =
+                       message.draining().reason() == v1::DRAIN_REASON_TOKEN ? Event::kTokenOver : Event::kDraining};
     case SegmentStreamResponse::KIND_NOT_SET:
       return Event{};  // a message that a newer version knows
   }

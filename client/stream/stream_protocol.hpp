@@ -45,7 +45,7 @@ class StreamProtocol {
   void begin(std::uint64_t sequence, v1::FrameHeader header, const Payload& payload);
   /// Asks the server to drop the frame; its outcome comes all the same. Unknown frames are left alone.
   void cancel(std::uint64_t sequence);
-  /// No more frames will begin.
+  /// Tells that no more frames will begin.
   void end() { ending_ = true; }
 
   struct Sent {
@@ -57,9 +57,10 @@ class StreamProtocol {
   /// True after end(), once nothing will be sent any more.
   bool wants_half_close() const;
 
-  /// The meaning of a message from the server.
+  /// The meaning of a message from the server. kDraining: it takes no more frames. kTokenOver: it takes none on this
+  /// stream, whose token it accepts no longer. kOld: it asks for another stream, and takes frames until then.
   struct Event {
-    enum Kind { kNothing, kOpened, kDraining, kBegun, kOutcome } kind = kNothing;
+    enum Kind { kNothing, kOpened, kDraining, kTokenOver, kOld, kBegun, kOutcome } kind = kNothing;
     std::uint64_t sequence = 0;     ///< kBegun, kOutcome
     v1::FrameOutcome outcome = {};  ///< kOutcome: complete, with the bytes of the result in its blocks
     bool intact = true;             ///< kOutcome: false if the checksum differs from the one that was announced

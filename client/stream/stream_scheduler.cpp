@@ -5,7 +5,7 @@
 #include <chrono>
 #include <utility>
 
-#include "client/calls/retry.hpp"
+#include "client/fleet/retry.hpp"
 #include "client/stream/stream_message.hpp"
 #include "fmt/format.h"
 #include "proto/wire/status_message.hpp"
@@ -22,12 +22,17 @@ constexpr const char* kOutageKey = "segserve.client/outage";
 
 bool is_outage(const absl::Status& status) { return status.GetPayload(kOutageKey).has_value(); }
 
-StreamScheduler::StreamScheduler(StreamOptions options, std::vector<std::string> addresses, std::size_t first_address,
-                                 std::uint32_t seed)
+StreamScheduler::StreamScheduler(StreamOptions options, std::uint32_t seed)
     : options_(std::move(options)),
       frames_(options_),
-      links_(options_, std::move(addresses), first_address, seed),
+      links_(options_, seed),
+      dispatch_(options_, frames_, links_, seed),
       random_(seed) {}
+
+void StreamScheduler::set_servers(const ServerList& list) {
+  links_.set_servers(list);
+  dispatch_.set_servers(list.servers);
+}
 
 StreamScheduler::Admission StreamScheduler::admission() const {
   if (closed_ || finished_sending_ || !fatal_.ok()) return Admission::kRefused;
@@ -55,7 +60,9 @@ void StreamScheduler::cancel(std::uint64_t sequence, Time now) {
     return frames_.end(*frame, OutcomeKind::kCancelled, status_of(OutcomeKind::kCancelled), now);
   }
   frame->cancelled = true;
-  if (ServerLink* link = links_.find(frame->connection)) link->protocol.cancel(sequence);
+  for (const Delivery& delivery : frame->deliveries) {
+    if (ServerLink* link = links_.find(delivery.connection)) link->protocol.cancel(sequence);
+  }
 }
 
 void StreamScheduler::close(Time now) {
@@ -68,9 +75,8 @@ StreamScheduler::Tick StreamScheduler::tick(Time now) {
   const auto wake_no_later_than = [&wake_at](std::optional<Time> time) {
     wake_at = std::min(wake_at, time.value_or(wake_at));
   };
-  for (QueuedFrame* frame : frames_.end_overdue(links_.last_error(), now)) {
-    service_time_.add_at_least(now - frame->sent_at);
-    if (ServerLink* link = links_.find(frame->connection)) link->protocol.cancel(frame->sequence);
+  for (const auto& [frame, deliveries] : frames_.end_overdue(links_.last_error(), now)) {
+    cancel_deliveries(frame->sequence, deliveries, now);
   }
   const bool may_wait = options_.wait_for_server || options_.fallback_to_local;
   if (links_.out_of_reach() && !may_wait) frames_.fail_waiting(links_.last_error(), now);
@@ -78,18 +84,19 @@ StreamScheduler::Tick StreamScheduler::tick(Time now) {
     links_.break_all();
   } else {
     if (finished_sending_ && frames_.unfinished() == 0) links_.end_all();
-    wake_no_later_than(links_.check_silence(now));
+    wake_no_later_than(links_.check_silence([&](ServerId server) { return dispatch_.usual_time(server, now); }, now));
     wake_no_later_than(check_outage(now));
     const bool needs_server = fatal_.ok() && (!finished_sending_ || frames_.waiting() > 0);
-    if (needs_server) wake_no_later_than(links_.open_if_needed(now));
+    if (needs_server) wake_no_later_than(links_.open_missing(now));
   }
   wake_no_later_than(frames_.next_change(now));
-  return {.actions = links_.take_actions(), .wake_at = wake_at};
+  wake_no_later_than(dispatch_.next_change(now));
+  return {.actions = links_.take_actions(), .wake_at = wake_at, .trouble = links_.take_trouble()};
 }
 
 std::optional<Time> StreamScheduler::check_outage(Time now) {
   const bool may_end = options_.longest_outage.count() > 0 && !options_.fallback_to_local && fatal_.ok();
-  if (!may_end || !links_.out_of_reach() || frames_.sent() > 0) {
+  if (!may_end || !links_.out_of_reach() || !frames_.sent().empty()) {
     outage_began_.reset();
     return std::nullopt;
   }
@@ -104,55 +111,19 @@ std::optional<Time> StreamScheduler::check_outage(Time now) {
   return std::nullopt;
 }
 
-QueuedFrame* StreamScheduler::next_in_time(Time now) {
-  while (QueuedFrame* frame = frames_.next_to_send(now)) {
-    const bool others_wait = frames_.waiting() > 1;
-    // Without any frame under way, nothing would tell that the server is faster again.
-    const bool is_late = now + service_time_.bound() > frame->useful_until() && frames_.sent() > 0;
-    if (!others_wait || !is_late) return frame;
-    frames_.end_late(*frame, links_.last_error(), now);
-  }
-  return nullptr;
-}
-
-/// Starts to send the next frame, if there is one and the credit has room for it.
-void StreamScheduler::begin_frame(ServerLink& link, Time now) {
-  QueuedFrame* frame = next_in_time(now);
-  if (frame == nullptr) return;
-  const std::uint64_t bytes = frame->request.payload.bytes();
-  switch (link.protocol.fit(bytes)) {
-    case StreamProtocol::Fit::kLater:
-      return;  // smaller frames must not overtake it for ever
-    case StreamProtocol::Fit::kNever:
-      return frames_.end(
-          *frame, OutcomeKind::kFailed,
-          wire::limit_exceeded("the frame has", bytes, "bytes", "credit.bytes", link.protocol.credit_bytes()), now);
-    case StreamProtocol::Fit::kNow:
-      break;
-  }
-  if (link.protocol.in_flight() == 0) link.last_sign_of_life = now;  // an idle server is silent with good reason
-  frame->state = State::kSent;
-  frame->connection = link.id;
-  frame->sent_at = now;
-  FrameReport& report = frame->report();
-  ++report.attempts;
-  report.bytes_sent = report.bytes_received = 0;
-  link.protocol.begin(frame->sequence, header_message(frame->request, options_, frame->useful_until(), now),
-                      frame->request.payload);
-}
-
 bool StreamScheduler::next_message(ConnectionId id, OutgoingMessage& outgoing, Time now) {
   ServerLink* link = links_.find(id);
   if (link == nullptr) return false;
-  if (link->protocol.has_turn()) begin_frame(*link, now);
+  if (link->takes_frames() && link->protocol.has_turn()) dispatch_.begin_frame(*link, now);
   const auto sent = link->protocol.next(outgoing);
   if (!sent) return false;
   QueuedFrame* frame = sent->sequence ? frames_.find(*sent->sequence) : nullptr;
-  if (frame != nullptr && frame->connection == id) {
-    FrameReport& report = frame->report();
-    report.bytes_sent += byte_size(outgoing);
-    if (outgoing.message.has_frame()) report.header_sent = now;
-    if (sent->completes_payload) report.payload_sent = now;
+  Delivery* delivery = frame == nullptr ? nullptr : frame->delivery_on(id);
+  if (delivery != nullptr) {
+    delivery->bytes_sent += byte_size(outgoing);
+    if (outgoing.message.has_frame()) delivery->header_sent = now;
+    if (sent->completes_payload) delivery->payload_sent = now;
+    frame->report_on(*delivery);
   }
   return true;
 }
@@ -185,43 +156,95 @@ void StreamScheduler::on_event(ServerLink& link, StreamProtocol::Event& event, T
       return links_.on_opened(link);
     case StreamProtocol::Event::kDraining:
       return links_.on_draining(link, now);
-    case StreamProtocol::Event::kBegun:
-      if (QueuedFrame* frame = frames_.find(event.sequence)) frame->report().outcome_begun = now;
+    case StreamProtocol::Event::kTokenOver:  // the next tick makes a stream with the token of that time
       return;
+    case StreamProtocol::Event::kOld:
+      return links_.on_old(link);
+    case StreamProtocol::Event::kBegun:
+      return on_begun(link, event.sequence, now);
     case StreamProtocol::Event::kOutcome:
       return on_outcome(link, event, now);
   }
 }
 
+void StreamScheduler::on_begun(const ServerLink& link, std::uint64_t sequence, Time now) {
+  QueuedFrame* frame = frames_.find(sequence);
+  Delivery* delivery = frame == nullptr ? nullptr : frame->delivery_on(link.id);
+  if (delivery != nullptr) delivery->outcome_begun = now;
+}
+
 void StreamScheduler::on_outcome(ServerLink& link, StreamProtocol::Event& event, Time now) {
   QueuedFrame* frame = frames_.find(event.sequence);
-  const bool awaited = frame != nullptr && frame->state == State::kSent && frame->connection == link.id;
-  if (!awaited) return;  // the frame has ended here before
+  const Delivery* found = frame == nullptr ? nullptr : frame->delivery_on(link.id);
+  if (found == nullptr) return;  // the frame has ended here before
+  const Delivery delivery = *found;
+  link.has_answered = true;
+  frame->forget_delivery(link.id);
+  const std::vector<Delivery> others = frame->deliveries;
+  frame->report_on(delivery);
   frame->report().bytes_received = link.outcome_bytes;
-  frame->report().address = links_.address_of(link);
+  frame->report().address = link.server.address;
   const OutcomeKind kind = from_message(event.outcome.kind());
-  if (kind == OutcomeKind::kResult) service_time_.add(now - frame->sent_at);
-  if (kind == OutcomeKind::kExpired) service_time_.add_at_least(now - frame->sent_at);
-  if (kind == OutcomeKind::kExpired) return frames_.end_late(*frame, links_.last_error(), now);
-  if (kind == OutcomeKind::kFailed) return on_failed_frame(*frame, wire::from_message(event.outcome.status()), now);
+  if (kind == OutcomeKind::kResult) dispatch_.on_answered(link.server.id, delivery, now);
+  if (kind == OutcomeKind::kExpired) dispatch_.on_too_late(link.server.id, delivery, now);
+  on_answer(link, *frame, event, now);
+  if (frame->state == State::kDone) cancel_deliveries(event.sequence, others, now);
+}
+
+void StreamScheduler::on_answer(ServerLink& link, QueuedFrame& frame, StreamProtocol::Event& event, Time now) {
+  const OutcomeKind kind = from_message(event.outcome.kind());
+  if (kind == OutcomeKind::kFailed)
+    return on_failed_frame(link, frame, wire::from_message(event.outcome.status()), now);
   if (!event.intact) {
     const absl::Status error =
         wire::with_reason(absl::AbortedError("the bytes of the result do not have the checksum that was announced"),
                           wire::ErrorReason::kChecksum);
-    return frames_.send_again(*frame, error, now, now);
+    const Time again = dispatch_.on_failed(link, frame, error, std::chrono::milliseconds(0), now);
+    if (is_left_to_another(frame, error)) return;
+    return frames_.send_again(frame, error, again, now);
   }
-  if (kind == OutcomeKind::kResult) frame->undecoded.message = std::move(*event.outcome.mutable_result());
-  frames_.end(*frame, kind, status_of(kind), now);
+  if (kind != OutcomeKind::kResult && is_left_to_another(frame, status_of(kind))) return;
+  if (kind == OutcomeKind::kExpired) return frames_.end_late(frame, links_.last_error(), now);
+  if (kind == OutcomeKind::kResult) {
+    frame.undecoded.message = std::move(*event.outcome.mutable_result());
+    frames_.keep_track_state(frame.undecoded.message.tracking().state());
+  }
+  frames_.end(frame, kind, status_of(kind), now);
 }
 
-void StreamScheduler::on_failed_frame(QueuedFrame& frame, const absl::Status& status, Time now) {
+bool StreamScheduler::is_left_to_another(QueuedFrame& frame, const absl::Status& error) {
+  if (frame.deliveries.empty() || frame.cancelled) return false;
+  frame.last_error = error;
+  return true;
+}
+
+void StreamScheduler::on_failed_frame(ServerLink& link, QueuedFrame& frame, const absl::Status& status, Time now) {
   absl::Status error = unavailable_if_cancelled(status);
   if (error.ok()) error = absl::InternalError("the server failed the frame and did not say why");
-  const bool rejected = absl::IsResourceExhausted(error) && options_.when_behind == WhenBehind::kReject;
-  if (rejected || !is_retryable(error)) return frames_.end(frame, OutcomeKind::kFailed, error, now);
+  // The time of the stream's token is over. The next stream may have a newer one; if not, that stream fails.
+  if (absl::IsUnauthenticated(error) && link.protocol.ending()) {
+    if (!is_left_to_another(frame, error)) frames_.send_again(frame, error, now, now);
+    return;
+  }
   const auto asked_for = wire::details_of(error).retry_delay;
   const auto wait = backoff(options_.retry, frame.report().attempts, asked_for, random_);
-  frames_.send_again(frame, error, now + wait, now);
+  const Time again = dispatch_.on_failed(link, frame, error, wait, now);
+  if (is_retryable(error) && is_left_to_another(frame, error)) {
+    frame.ready_at = now + wait;
+    return;
+  }
+  const bool rejected = absl::IsResourceExhausted(error) && options_.when_behind == WhenBehind::kReject;
+  if (rejected || !is_retryable(error)) return frames_.end(frame, OutcomeKind::kFailed, error, now);
+  frames_.send_again(frame, error, again, now);
+}
+
+void StreamScheduler::cancel_deliveries(std::uint64_t sequence, const std::vector<Delivery>& deliveries, Time now) {
+  for (const Delivery& delivery : deliveries) {
+    ServerLink* link = links_.find(delivery.connection);
+    if (link == nullptr) continue;
+    link->protocol.cancel(sequence);
+    dispatch_.on_too_late(link->server.id, delivery, now);
+  }
 }
 
 void StreamScheduler::on_closed(ConnectionId id, const absl::Status& status, Time now) {
@@ -231,7 +254,12 @@ void StreamScheduler::on_closed(ConnectionId id, const absl::Status& status, Tim
     fatal_ = end->why;
     return frames_.end_all(OutcomeKind::kFailed, fatal_, now);
   }
-  for (QueuedFrame* frame : frames_.sent_on(id)) frames_.send_again(*frame, end->why, now, now);
+  dispatch_.on_lost(end->server, end->useless, now);
+  for (QueuedFrame* frame : frames_.sent_on(id)) {
+    frame->forget_delivery(id);
+    frame->failed_at.insert(end->server);
+    if (!is_left_to_another(*frame, end->why)) frames_.send_again(*frame, end->why, now, now);
+  }
 }
 
 std::optional<StreamScheduler::LocalJob> StreamScheduler::take_local_job(Time now) {
@@ -241,7 +269,8 @@ std::optional<StreamScheduler::LocalJob> StreamScheduler::take_local_job(Time no
   frame->state = State::kLocal;
   ++frame->report().attempts;
   const FrameRequest& request = frame->request;
-  return LocalJob{frame->sequence, request.payload, request.options, request.outputs, frame->deadline};
+  return LocalJob{frame->sequence, request.payload,  request.options, request.outputs,
+                  request.prompts, request.tracking, frame->deadline};
 }
 
 void StreamScheduler::on_local_result(std::uint64_t sequence, absl::StatusOr<Result> result, Time now) {
@@ -249,6 +278,7 @@ void StreamScheduler::on_local_result(std::uint64_t sequence, absl::StatusOr<Res
   if (frame == nullptr || frame->state != State::kLocal) return;  // cancelled, or too late
   frame->report().local = true;
   if (!result.ok()) return frames_.end(*frame, OutcomeKind::kFailed, result.status(), now);
+  if (result->tracks) frames_.keep_track_state(result->tracks->state);
   frame->undecoded.outcome.result = *std::move(result);
   frames_.end(*frame, OutcomeKind::kResult, absl::OkStatus(), now);
 }

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "client/fleet/server_list.hpp"
+#include "client/stream/frame_dispatch.hpp"
 #include "client/stream/frame_queue.hpp"
 #include "client/stream/outgoing_message.hpp"
 #include "client/stream/server_links.hpp"
-#include "client/stream/service_time.hpp"
 #include "segserve/client/stream_options.hpp"
 
 namespace segserve::client {
@@ -25,10 +24,8 @@ namespace segserve::client {
 /// messages.
 class StreamScheduler {
  public:
-  /// `addresses` are those of the servers, at least one; `first_address` is where to begin, and `seed` makes waits
-  /// random.
-  StreamScheduler(StreamOptions options, std::vector<std::string> addresses, std::size_t first_address,
-                  std::uint32_t seed);
+  /// `seed` makes waits random, and the server to begin with.
+  StreamScheduler(StreamOptions options, std::uint32_t seed);
   StreamScheduler(const StreamScheduler&) = delete;
   StreamScheduler& operator=(const StreamScheduler&) = delete;
 
@@ -43,7 +40,7 @@ class StreamScheduler {
   std::uint64_t accept(FrameRequest request, Time now);
   /// The frame ends as kCancelled unless its result is faster. Unknown and finished frames are left alone.
   void cancel(std::uint64_t sequence, Time now);
-  /// No more frames will come.
+  /// Tells that no more frames will come.
   void finish_sending() { finished_sending_ = true; }
   /// All frames without an outcome end as kCancelled, and the connections break at the next tick.
   void close(Time now);
@@ -55,11 +52,16 @@ class StreamScheduler {
 
   // The passing of time.
 
+  /// Replaces the list of servers, which is empty at first.
+  void set_servers(const ServerList& list);
   struct Tick {
     std::vector<LinkAction> actions;
-    Time wake_at;  ///< the next tick is due then, and after any change
+    Time wake_at;          ///< the next tick is due then, and after any change
+    bool trouble = false;  ///< a server has failed since the last tick
   };
   Tick tick(Time now);
+  /// As in Tick, if calls of next_message() have made that earlier.
+  std::optional<Time> next_dispatch(Time now) { return dispatch_.next_change(now); }
 
   // Reports of the transport. Unknown connections are ignored.
 
@@ -81,6 +83,8 @@ class StreamScheduler {
     Payload payload;
     Options options;
     wire::Outputs outputs;
+    std::optional<Prompts> prompts;
+    std::optional<wire::TrackRequest> tracking;
     Time deadline;
   };
   /// A frame that shall be segmented here, because no server is in reach.
@@ -88,20 +92,22 @@ class StreamScheduler {
   void on_local_result(std::uint64_t sequence, absl::StatusOr<Result> result, Time now);
 
  private:
-  void begin_frame(ServerLink& link, Time now);
-  /// The next frame to send, null if there is none. Frames that would come too late, judged by how long the last ones
-  /// took, end instead if others wait: a server that is behind would otherwise be late with all of them.
-  QueuedFrame* next_in_time(Time now);
   /// Ends the stream if no server was in reach for too long. Returns when to call again, if ever.
   std::optional<Time> check_outage(Time now);
   void on_event(ServerLink& link, StreamProtocol::Event& event, Time now);
   void on_outcome(ServerLink& link, StreamProtocol::Event& event, Time now);
-  void on_failed_frame(QueuedFrame& frame, const absl::Status& status, Time now);
+  void on_begun(const ServerLink& link, std::uint64_t sequence, Time now);
+  void on_answer(ServerLink& link, QueuedFrame& frame, StreamProtocol::Event& event, Time now);
+  void on_failed_frame(ServerLink& link, QueuedFrame& frame, const absl::Status& status, Time now);
+  /// Another server may still bring the outcome of the frame, in spite of `error` of one.
+  bool is_left_to_another(QueuedFrame& frame, const absl::Status& error);
+  /// Tells the servers that still have the frame, which has its outcome, to drop it.
+  void cancel_deliveries(std::uint64_t sequence, const std::vector<Delivery>& deliveries, Time now);
 
   const StreamOptions options_;
   FrameQueue frames_;
   ServerLinks links_;
-  ServiceTime service_time_;
+  FrameDispatch dispatch_;
   std::minstd_rand random_;
   bool finished_sending_ = false;
   bool closed_ = false;

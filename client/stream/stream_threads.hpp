@@ -43,18 +43,25 @@ class StreamThreads final : public StreamTransportListener {
   bool wants_half_close(ConnectionId id) override ABSL_LOCKS_EXCLUDED(mutex_);
   void on_written(ConnectionId id) override ABSL_LOCKS_EXCLUDED(mutex_);
   void on_message(ConnectionId id, v1::SegmentStreamResponse& message) override ABSL_LOCKS_EXCLUDED(mutex_);
-  void on_closed(ConnectionId id, const absl::Status& status) override ABSL_LOCKS_EXCLUDED(mutex_);
+  void on_closed(ConnectionId id, const absl::Status& status, bool handshake_failed) override
+      ABSL_LOCKS_EXCLUDED(mutex_);
 
  private:
   void keep_time() ABSL_LOCKS_EXCLUDED(mutex_);
+  void update_servers() ABSL_LOCKS_EXCLUDED(mutex_);
+  void on_servers_changed() ABSL_LOCKS_EXCLUDED(mutex_);
   void call_back() ABSL_LOCKS_EXCLUDED(mutex_);
   void segment_locally() ABSL_LOCKS_EXCLUDED(mutex_);
 
   void perform(const LinkAction& action) ABSL_LOCKS_EXCLUDED(mutex_);
   void open(const LinkAction& action) ABSL_LOCKS_EXCLUDED(mutex_);
   void probe(const LinkAction& action) ABSL_LOCKS_EXCLUDED(mutex_);
-  void break_connection(const LinkAction& action) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Gives up a call, its channel, or both.
+  void give_up(const LinkAction& action) ABSL_LOCKS_EXCLUDED(mutex_);
   void on_probed(ConnectionId id, bool alive) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Finds out why a handshake failed, on a thread of its own, because gRPC's must not block.
+  void diagnose(ConnectionId id, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  void end_connection(ConnectionId id, const absl::Status& status) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   /// Lets all transports send what they can.
   void pump() ABSL_LOCKS_EXCLUDED(mutex_);
 
@@ -71,6 +78,7 @@ class StreamThreads final : public StreamTransportListener {
 
   const std::shared_ptr<Channels> channels_;
   const StreamOptions options_;
+  std::uint64_t subscription_ = 0;  // to changes of the servers
 
   Mutex mutex_;
   CondVar changed_;
@@ -79,8 +87,12 @@ class StreamThreads final : public StreamTransportListener {
   bool stopping_ ABSL_GUARDED_BY(mutex_) = false;
   bool calling_back_ ABSL_GUARDED_BY(mutex_) = false;
   std::map<ConnectionId, std::shared_ptr<StreamTransport>> transports_ ABSL_GUARDED_BY(mutex_);
+  bool servers_changed_ ABSL_GUARDED_BY(mutex_) = true;
   std::map<ConnectionId, std::shared_ptr<LivenessProbe>> probes_ ABSL_GUARDED_BY(mutex_);
-  /// Transports and probes that have ended. The timer thread destroys them, because threads of gRPC must not.
+  /// Each ends with end_connection, after which its thread does no more.
+  std::map<ConnectionId, std::shared_ptr<std::jthread>> diagnoses_ ABSL_GUARDED_BY(mutex_);
+  /// Transports, probes and diagnoses that have ended. The timer thread destroys them, because threads of gRPC must
+  /// not.
   std::vector<std::shared_ptr<void>> ended_ ABSL_GUARDED_BY(mutex_);
 
   std::atomic<bool> stop_local_{false};

@@ -92,7 +92,8 @@ void StreamTransport::OnReadDone(bool ok) {
 }
 
 void StreamTransport::OnDone(const grpc::Status& status) {
-  listener_.on_closed(connection_, call_status(status, address_));  // `this` may be destroyed from here on
+  // `this` may be destroyed from here on.
+  listener_.on_closed(connection_, call_status(status, address_), handshake_failed(status));
 }
 
 }  // namespace segserve::client

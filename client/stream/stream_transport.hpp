@@ -27,22 +27,26 @@ class StreamTransportListener {
   virtual bool wants_half_close(std::uint64_t connection) = 0;
   virtual void on_written(std::uint64_t connection) = 0;
   virtual void on_message(std::uint64_t connection, v1::SegmentStreamResponse& message) = 0;
-  virtual void on_closed(std::uint64_t connection, const absl::Status& status) = 0;
+  /// `handshake_failed` as in call_status.hpp.
+  virtual void on_closed(std::uint64_t connection, const absl::Status& status, bool handshake_failed) = 0;
 };
 
 /// One SegmentStream call: moves messages between gRPC and a listener. Once started it must live until on_closed. It
 /// must not be destroyed on a thread of gRPC, and on_closed runs on one: gRPC 1.51 cannot destroy a channel there.
 class StreamTransport final : private grpc::ClientBidiReactor<OutgoingMessage, v1::SegmentStreamResponse> {
  public:
-  /// `connection` is the id that the listener gets, and `address` serves messages of errors only.
+  /// `connection` is the id that the listener gets, and `address` is where the channel leads.
   StreamTransport(std::uint64_t connection, std::string address, std::shared_ptr<grpc::Channel> channel,
                   StreamTransportListener& listener);
 
+  /// The context of the call, before `start`.
+  grpc::ClientContext& context() { return context_; }
   void start() ABSL_LOCKS_EXCLUDED(mutex_);
   /// Sends what there is to send, unless another thread is doing so.
   void pump() ABSL_LOCKS_EXCLUDED(mutex_);
   /// Ends the call as soon as possible: on_closed follows.
   void cancel() { context_.TryCancel(); }
+  const std::string& address() const { return address_; }
   const std::shared_ptr<grpc::Channel>& channel() const { return channel_; }
 
  private:
@@ -63,7 +67,7 @@ class StreamTransport final : private grpc::ClientBidiReactor<OutgoingMessage, v
   Mutex mutex_;
   /// A write is under way, or about to be.
   bool writing_ ABSL_GUARDED_BY(mutex_) = false;
-  /// There may be more to write than the thread that writes has seen.
+  /// True if there may be more to write than the thread that writes has seen.
   bool again_ ABSL_GUARDED_BY(mutex_) = false;
   /// Nothing may be written: the call has not started, is half-closed, or the server has no more to say.
   bool closed_ ABSL_GUARDED_BY(mutex_) = true;

@@ -14,7 +14,7 @@ namespace {
 absl::StatusOr<Result> decode_result(const UndecodedOutcome& undecoded) {
   const auto points = undecoded.points != 0 ? std::optional(undecoded.points) : std::nullopt;
   try {
-    return decode_answer(undecoded.message, points, undecoded.outputs);
+    return decode_answer(undecoded.message, points, undecoded.outputs, undecoded.wants_tracks);
   } catch (...) {
     return exception_status("decode the result");
   }

@@ -15,6 +15,7 @@ struct UndecodedOutcome {
   v1::SegmentationResult message;  ///< of a kResult from a server
   std::uint64_t points = 0;        ///< of the cloud that was sent; 0: only the server knows
   wire::Outputs outputs;           ///< what the frame asked for
+  bool wants_tracks = false;       ///< likewise
 };
 
 /// The outcome as the application gets it. It becomes kFailed with INTERNAL if the server's result is broken, and with

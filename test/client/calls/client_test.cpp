@@ -248,5 +248,14 @@ TEST(ClientWithoutServer, RefusesOptionsThatMakeNoSense) {
   EXPECT_TRUE(absl::IsInvalidArgument(Client::connect({.timeout = milliseconds(0)}).status()));
 }
 
+TEST_F(ClientTest, SendsNoTraceparentThatIsNotValid) {
+  const Cloud cloud = table_scene();
+  const absl::Status called = client().segment(cloud, {}, {.traceparent = "00-1-2-\n"}).status();
+  EXPECT_EQ(called.code(), absl::StatusCode::kInvalidArgument);
+  EXPECT_THAT(std::string(called.message()), HasSubstr("traceparent"));
+  Stream stream = client().open_stream().value();
+  EXPECT_EQ(stream.send(cloud, {.traceparent = "00-1-2-\n"}).status(), called);
+}
+
 }  // namespace
 }  // namespace segserve::client

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,11 +21,23 @@
 namespace segserve::client {
 
 /// A StreamScheduler whose application, clock, transport and servers are the test. Functions without a connection talk
-/// about the newest one.
+/// about the newest one. Servers are numbered from 1, in the order of their addresses, and so are connections.
 class StreamHarness {
  public:
-  explicit StreamHarness(const StreamOptions& options = {}, std::vector<std::string> addresses = {"a", "b"})
-      : scheduler_(options, std::move(addresses), 0, 1), options_(options) {}
+  explicit StreamHarness(const StreamOptions& options = {}, const std::vector<std::string>& addresses = {"a"})
+      : scheduler_(options, 1), options_(options) {
+    set_servers(addresses);
+  }
+
+  /// From now on these are the servers. Those that were known before keep their numbers.
+  void set_servers(const std::vector<std::string>& addresses) {
+    ServerList list;
+    for (const std::string& address : addresses) {
+      const ServerId id = ids_.try_emplace(address, ids_.size() + 1).first->second;
+      list.servers.push_back({.id = id, .target = address, .authority = "", .address = address});
+    }
+    scheduler_.set_servers(list);
+  }
 
   /// Hands a frame of 100 points over: 1500 bytes. Returns its sequence.
   std::uint64_t send(FrameOptions options = {}) {
@@ -62,21 +75,31 @@ class StreamHarness {
   }
   /// How many frames begin now.
   std::size_t begun() { return headers(sent()).size(); }
+  std::size_t begun_on(ConnectionId id) { return headers(sent(id)).size(); }
 
   /// The server says this. Connections are counted from 1; 0 stands for the newest.
   void answer(v1::SegmentStreamResponse response, ConnectionId connection = 0) {
     scheduler_.on_message(connection == 0 ? connections_.back() : connection, response, now_);
   }
 
-  /// Makes a connection on which the server grants this credit.
+  /// Makes connections, on the newest of which the server grants this credit.
   void open(std::uint32_t frames = 4, std::uint64_t bytes = 1'000'000) {
     act();
-    sent();
+    open_on(connections_.back(), frames, bytes);
+  }
+  /// On each connection that there is its server grants this credit.
+  void open_all(std::uint32_t frames = 4) {
+    act();
+    for (const ConnectionId id : connections_) open_on(id, frames);
+  }
+  /// On a new connection the server grants this credit.
+  void open_on(ConnectionId id, std::uint32_t frames = 4, std::uint64_t bytes = 1'000'000) {
+    sent(id);
     v1::SegmentStreamResponse response;
     response.mutable_opened()->mutable_credit()->set_frames(frames);
     response.mutable_opened()->mutable_credit()->set_bytes(bytes);
     response.mutable_opened()->set_max_chunk_bytes(256 << 10);
-    answer(response);
+    answer(response, id);
   }
 
   static v1::SegmentStreamResponse outcome(std::uint64_t number, v1::OutcomeKind kind) {
@@ -87,6 +110,8 @@ class StreamHarness {
   }
   /// The server ends the frame that has this number on the wire.
   void end(std::uint64_t number, v1::OutcomeKind kind = v1::OUTCOME_KIND_RESULT) { answer(outcome(number, kind)); }
+  /// The server of a connection ends a frame with a result.
+  void end_on(ConnectionId id, std::uint64_t number) { answer(outcome(number, v1::OUTCOME_KIND_RESULT), id); }
   void fail(std::uint64_t number, const absl::Status& status) {
     v1::SegmentStreamResponse response = outcome(number, v1::OUTCOME_KIND_FAILED);
     *response.mutable_outcome()->mutable_status() = wire::to_message(status);
@@ -112,6 +137,7 @@ class StreamHarness {
   std::vector<LinkAction> actions_;        ///< all so far
   std::vector<ConnectionId> connections_;  ///< all so far
   Outcome last_;                           ///< that was taken
+  std::map<std::string, ServerId> ids_;
 };
 
 inline std::pair<std::uint64_t, OutcomeKind> ended(std::uint64_t sequence, OutcomeKind kind) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // How a stream makes and gives up connections. The test is the clock, the transport and the servers.
+#include "client/tls/handshake_fault.hpp"
 #include "gmock/gmock.h"
 #include "proto/wire/status_message.hpp"
 #include "test/client/stream/stream_harness.hpp"
@@ -12,19 +13,20 @@ using testing::ElementsAre;
 using Response = v1::SegmentStreamResponse;
 
 TEST(StreamScheduler, ABrokenConnectionMovesItsFramesToTheNextAddress) {
-  StreamHarness stream({.max_waiting = 3});
-  stream.open();
-  stream.send();
-  stream.send();
-  EXPECT_EQ(stream.begun(), 2U);
-  stream.close(absl::CancelledError(""));  // a server that shuts down ends calls so
-  stream.open();
+  StreamHarness stream({.max_waiting = 3}, {"a", "b"});
+  stream.act();
   ASSERT_EQ(stream.actions_.size(), 2U);
-  EXPECT_EQ(stream.actions_[0].address, 0U);
-  EXPECT_EQ(stream.actions_[1].address, 1U);
-  EXPECT_EQ(stream.begun(), 2U);
-  stream.end(2);
-  stream.end(1);
+  EXPECT_EQ(stream.actions_[0].server.address, "a");
+  EXPECT_EQ(stream.actions_[1].server.address, "b");
+  stream.open_on(1);
+  stream.send();
+  stream.send();
+  EXPECT_EQ(stream.begun_on(1), 2U);
+  stream.scheduler_.on_closed(1, absl::CancelledError(""), stream.now_);  // a server that shuts down ends calls so
+  stream.open_on(2);
+  EXPECT_EQ(stream.begun_on(2), 2U);
+  stream.end_on(2, 2);
+  stream.end_on(2, 1);
   EXPECT_EQ(stream.taken().size(), 2U);
   EXPECT_EQ(stream.last_.report.attempts, 2U);
   EXPECT_EQ(stream.last_.report.address, "b");
@@ -47,7 +49,7 @@ TEST(StreamScheduler, ALongOutageEndsTheStream) {
   stream.send();
   EXPECT_EQ(stream.begun(), 1U);
   stream.close(absl::UnavailableError("gone"));
-  for (int seconds = 0; seconds < 3; ++seconds) stream.pass(milliseconds(1000));
+  for (int i = 0; i < 3; ++i) stream.pass(milliseconds(1000));
   stream.open();  // that was short enough
   EXPECT_EQ(stream.begun(), 1U);
   stream.pass(milliseconds(1000));
@@ -75,7 +77,7 @@ TEST(StreamScheduler, AServerThatDrainsIsNoOutageWhileItComputes) {
   Response draining;
   draining.mutable_draining();
   stream.answer(draining);
-  for (int seconds = 0; seconds < 20; ++seconds) {
+  for (int i = 0; i < 20; ++i) {
     stream.pass(milliseconds(1000));
     if (stream.connections_.back() != old) stream.close(absl::UnavailableError("not yet"));
     stream.scheduler_.on_sign_of_life(old, stream.now_);
@@ -96,6 +98,22 @@ TEST(StreamScheduler, WithoutALimitAnOutageMayLast) {
   EXPECT_TRUE(stream.taken().empty());
 }
 
+TEST(StreamScheduler, AHandshakeThatFailsIsFinalOnceEveryAddressHasFailed) {
+  HandshakeReport report{.end = HandshakeReport::End::kNotTls};
+  const absl::Status fault = fault_of(report, "a", {"a", "1"}, ClientTls{}, {});
+  ASSERT_TRUE(absl::IsUnauthenticated(fault));
+  StreamHarness stream({}, {"a", "b"});
+  stream.send();
+  stream.act();
+  ASSERT_EQ(stream.connections_.size(), 2U);
+  stream.scheduler_.on_closed(1, fault, stream.now_);
+  EXPECT_TRUE(stream.taken().empty()) << "the other address may do";
+  stream.scheduler_.on_closed(2, fault, stream.now_);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+  EXPECT_EQ(stream.last_.status, fault);
+  EXPECT_EQ(stream.scheduler_.admission(), StreamScheduler::Admission::kRefused);
+}
+
 TEST(StreamScheduler, ADrainingServerKeepsWhatItHasAndGetsNothingNew) {
   StreamHarness stream({.max_waiting = 5});
   stream.open();
@@ -108,6 +126,7 @@ TEST(StreamScheduler, ADrainingServerKeepsWhatItHasAndGetsNothingNew) {
   stream.send();
   EXPECT_TRUE(StreamHarness::headers(stream.sent(old)).empty());
   EXPECT_TRUE(stream.scheduler_.wants_half_close(old));
+  stream.pass(RetryOptions{}.first_backoff);
   stream.open();
   EXPECT_NE(stream.connections_.back(), old);
   EXPECT_EQ(stream.begun(), 1U);
@@ -116,6 +135,116 @@ TEST(StreamScheduler, ADrainingServerKeepsWhatItHasAndGetsNothingNew) {
   stream.end(1);
   EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult), ended(2, OutcomeKind::kResult)));
   EXPECT_EQ(stream.last_.report.attempts, 1U);
+}
+
+Response old_stream() {
+  Response response;
+  response.mutable_draining()->set_reason(v1::DRAIN_REASON_STREAM_AGE);
+  return response;
+}
+
+TEST(StreamScheduler, AnOldConnectionTakesFramesUntilThereIsAnother) {
+  StreamHarness stream({.max_waiting = 5});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  const auto old = stream.connections_.back();
+  stream.answer(old_stream());
+  stream.act();
+  ASSERT_EQ(stream.actions_.size(), 3U);
+  EXPECT_EQ(stream.actions_[1].kind, LinkAction::kRenew);
+  EXPECT_EQ(stream.actions_[1].connection, old);
+  EXPECT_EQ(stream.actions_[2].kind, LinkAction::kOpen);
+  stream.send();
+  EXPECT_EQ(StreamHarness::headers(stream.sent(old)).size(), 1U) << "nothing waits for the new connection";
+  EXPECT_FALSE(stream.scheduler_.wants_half_close(old));
+
+  stream.open();
+  stream.send();
+  EXPECT_TRUE(StreamHarness::headers(stream.sent(old)).empty());
+  EXPECT_TRUE(stream.scheduler_.wants_half_close(old));
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.answer(StreamHarness::outcome(1, v1::OUTCOME_KIND_RESULT), old);
+  stream.answer(StreamHarness::outcome(2, v1::OUTCOME_KIND_RESULT), old);
+  stream.scheduler_.on_closed(old, absl::OkStatus(), stream.now_);
+  stream.end(1);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult), ended(2, OutcomeKind::kResult),
+                                          ended(3, OutcomeKind::kResult)));
+  EXPECT_EQ(stream.last_.report.attempts, 1U);
+}
+
+TEST(StreamScheduler, AnOldConnectionServesWhileNoOtherCanBeMade) {
+  StreamHarness stream({.max_waiting = 5, .wait_for_server = false}, {"a"});
+  stream.open();
+  const auto old = stream.connections_.back();
+  stream.answer(old_stream());
+  stream.act();
+  ASSERT_NE(stream.connections_.back(), old);
+  stream.close(absl::UnavailableError("no more connections"));
+  stream.send();
+  stream.act();
+  EXPECT_TRUE(stream.taken().empty()) << "the old connection is in reach";
+  EXPECT_EQ(StreamHarness::headers(stream.sent(old)).size(), 1U);
+  stream.answer(StreamHarness::outcome(1, v1::OUTCOME_KIND_RESULT), old);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult)));
+  stream.pass(milliseconds(1000));
+  EXPECT_EQ(stream.connections_.size(), 3U) << "it tries again";
+}
+
+TEST(StreamScheduler, AnOldConnectionOfAServerThatStopsIsLeft) {
+  StreamHarness stream({.max_waiting = 5});
+  stream.open();
+  const auto old = stream.connections_.back();
+  stream.answer(old_stream());
+  Response draining;
+  draining.mutable_draining();
+  stream.answer(draining);
+  stream.send();
+  EXPECT_TRUE(StreamHarness::headers(stream.sent(old)).empty());
+  EXPECT_TRUE(stream.scheduler_.wants_half_close(old));
+  stream.pass(RetryOptions{}.first_backoff);
+  stream.open();
+  EXPECT_EQ(stream.begun(), 1U);
+}
+
+/// The server no longer accepts the token of the stream.
+Response token_is_over() {
+  Response response;
+  response.mutable_draining()->set_reason(v1::DRAIN_REASON_TOKEN);
+  return response;
+}
+
+/// The frame fails because of that.
+Response refused_token(std::uint64_t number) {
+  Response response = StreamHarness::outcome(number, v1::OUTCOME_KIND_FAILED);
+  *response.mutable_outcome()->mutable_status() = wire::to_message(absl::UnauthenticatedError("the token is over"));
+  return response;
+}
+
+TEST(StreamScheduler, AFrameAfterTheEndOfATokenGoesToAStreamWithTheNextToken) {
+  StreamHarness stream({.wait_for_server = false}, {"a"});
+  stream.open();
+  stream.send();
+  EXPECT_EQ(stream.begun(), 1U);
+  const auto old = stream.connections_.back();
+  stream.answer(token_is_over());
+  stream.answer(refused_token(1));
+  stream.scheduler_.on_closed(old, absl::UnauthenticatedError("the token is over"), stream.now_);
+  stream.open();
+  EXPECT_NE(stream.connections_.back(), old) << "the same server is asked at once";
+  EXPECT_TRUE(stream.taken().empty());
+  EXPECT_EQ(stream.begun(), 1U);
+  stream.end(1);
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kResult)));
+}
+
+TEST(StreamScheduler, AStreamWithoutAGoodTokenFailsAtOnce) {
+  StreamHarness stream;
+  stream.act();
+  stream.send();
+  stream.close(absl::UnauthenticatedError("no token"));
+  EXPECT_THAT(stream.taken(), ElementsAre(ended(1, OutcomeKind::kFailed)));
+  EXPECT_TRUE(absl::IsUnauthenticated(stream.scheduler_.refusal()));
 }
 
 TEST(StreamScheduler, ARejectedFrameFailsIfThatWasAskedFor) {
@@ -181,10 +310,11 @@ TEST(StreamScheduler, ASilentConnectionIsProbedAndThenGivenUp) {
   stream.pass(milliseconds(500));
   EXPECT_EQ(stream.actions_.back().kind, LinkAction::kProbe);
   stream.pass(milliseconds(500));
-  ASSERT_EQ(stream.actions_.size(), 5U);
+  ASSERT_EQ(stream.actions_.size(), 4U);
   EXPECT_EQ(stream.actions_[3].kind, LinkAction::kBreakSilent);
+  stream.pass(RetryOptions{}.first_backoff);
+  ASSERT_EQ(stream.actions_.size(), 5U);
   EXPECT_EQ(stream.actions_[4].kind, LinkAction::kOpen);
-  EXPECT_EQ(stream.actions_[4].address, 1U);
 }
 
 TEST(StreamScheduler, AnIdleConnectionOwesNothing) {
@@ -209,14 +339,14 @@ TEST(StreamScheduler, AnErrorThatEveryServerWouldRepeatEndsTheStream) {
 }
 
 TEST(StreamScheduler, LocalWorkNeedsEveryAddressToHaveFailed) {
-  StreamHarness stream({.fallback_to_local = true});
+  StreamHarness stream({.fallback_to_local = true}, {"a", "b"});
   stream.send();
   stream.act();
   EXPECT_FALSE(stream.scheduler_.take_local_job(stream.now_).has_value());
-  stream.close(absl::UnavailableError("gone"));
+  stream.scheduler_.on_closed(1, absl::UnavailableError("gone"), stream.now_);
   stream.act();
   EXPECT_FALSE(stream.scheduler_.take_local_job(stream.now_).has_value());
-  stream.close(absl::UnavailableError("gone"));
+  stream.scheduler_.on_closed(2, absl::UnavailableError("gone"), stream.now_);
   const auto job = stream.scheduler_.take_local_job(stream.now_);
   ASSERT_TRUE(job.has_value());
   EXPECT_FALSE(stream.scheduler_.take_local_job(stream.now_).has_value());

@@ -137,8 +137,8 @@ TEST_F(StreamTest, ABrokenStreamIsReopenedAndNothingIsLost) {
   a_.answer = b_.answer = sometimes_break;
   auto stream = client().open_stream(options());
   expect_all_results(run(*stream, many(40)), 40);
-  EXPECT_GT(a_.streams, 1);
-  EXPECT_GT(b_.streams, 1);
+  // Who got which of the frames is left to chance.
+  EXPECT_GT(a_.streams + b_.streams, 2);
 }
 
 TEST_F(StreamTest, AServerThatBreaksTheProtocolIsLeft) {

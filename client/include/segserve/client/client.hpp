@@ -12,10 +12,13 @@
 #include "segserve/client/payload.hpp"
 #include "segserve/client/stream.hpp"
 #include "segserve/client/stream_options.hpp"
+#include "segserve/client/tls_options.hpp"
 #include "segserve/cloud.hpp"
 #include "segserve/options.hpp"
+#include "segserve/prompts.hpp"
 #include "segserve/wire/codec.hpp"
 #include "segserve/wire/outputs.hpp"
+#include "segserve/wire/tracks.hpp"
 
 namespace grpc {
 class Channel;
@@ -29,8 +32,9 @@ namespace segserve::client {
 
 struct ClientOptions {
   /// Where the servers listen: host:port (without a port: 50051), or any other name that gRPC resolves. Several are
-  /// separated by commas ("a:50051,b:50051"). A name that stands for many servers ("dns:///segserve:50051") is used in
-  /// turn.
+  /// separated by commas ("a:50051,b:50051"). A host's name stands for all of its addresses, and is looked up again
+  /// about every ten seconds, or two while servers fail. Streams use all servers at the same time, calls use the least
+  /// busy one or else take turns.
   std::string address = "127.0.0.1:50051";
   /// The deadline of a call that sets none of its own, all its repetitions included; above 0. The server stops
   /// computing when it passes.
@@ -42,8 +46,17 @@ struct ClientOptions {
   /// Whether segment() computes in this process when no address is in reach.
   bool fallback_to_local = false;
   /// Whether connections beyond this machine go through the proxy that the environment names (http_proxy, https_proxy,
-  /// grpc_proxy, no_proxy), if it names one.
+  /// grpc_proxy, no_proxy), if it names one. Names are left to the proxy then, and stand for one server each.
   bool use_proxy = false;
+  /// Unset: the connections are plain text.
+  std::optional<TlsOptions> tls = std::nullopt;
+  /// The bearer token that the server asks for; empty: none. It goes with every call.
+  std::string token = {};
+  /// A file that holds the token, and nothing else, instead of `token`. It is read anew for every call and for every
+  /// connection of a stream, so that a new token is in use at once.
+  std::string token_file = {};
+  /// Whether the token may go to other machines as plain text, where whoever listens in can read and use it.
+  bool insecure_token = false;
 };
 
 /// When the planes of a cloud are compressed, without loss, before they are sent.
@@ -56,12 +69,19 @@ enum class Compress {
 struct CallOptions {
   std::optional<std::chrono::milliseconds> timeout = std::nullopt;  ///< unset: ClientOptions::timeout
   std::string request_id = {};                                      ///< for the server's logs; at most 256 bytes
+  std::string traceparent = {};  ///< W3C's Trace Context, version 00, for the server's logs and traces; may be empty
   Compress compress = Compress::kWhenTooLarge;
   /// How a cloud is sent; unset: planar, compressed as `compress` says.
   std::optional<wire::CodecOptions> codec = std::nullopt;
-  /// Which arrays the answer holds. With supervoxels and tree, any cut can be made later without the server: see
+  /// The arrays of the answer. With supervoxels and tree, any cut can be made later without the server: see
   /// cut_at_threshold, cut_to_regions and label_points of segserve::core.
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
+  /// Places on an object, and beside it, that Result::selection tells of. Positions are in the coordinates of the cloud
+  /// or payload.
+  std::optional<Prompts> prompts = std::nullopt;
+  /// Asks for ids that objects keep from cloud to cloud. The caller hands the state on: Result::tracks has the next
+  /// one.
+  std::optional<wire::TrackRequest> tracking = std::nullopt;
 };
 
 /// The answer to GetServerInfo. Include "segserve/v1/segmentation_service.pb.h" to read it.
@@ -76,13 +96,16 @@ using ServerInfo = v1::GetServerInfoResponse;
 ///
 /// Errors have the server's code and a message that names every wrong field or the limit that was exceeded;
 /// wire::details_of(status) gives the details to programs. In addition to the server's own errors there are
-/// UNAVAILABLE (no server is in reach), DEADLINE_EXCEEDED, and INTERNAL (the answer is broken).
+/// UNAVAILABLE (no server is in reach), DEADLINE_EXCEEDED, INTERNAL (the answer is broken), and UNAUTHENTICATED (one
+/// end does not trust the certificate of the other, or only one of them speaks TLS).
 class Client {
  public:
-  /// INVALID_ARGUMENT for options that make no sense. Does not wait for the server: health() does.
+  /// INVALID_ARGUMENT for options that make no sense, for files of TLS that are wrong, and for a token that would go to
+  /// another machine as plain text; NOT_FOUND if its file cannot be read. Does not wait for the server: health() does.
   static absl::StatusOr<Client> connect(ClientOptions options);
 
-  /// Uses a channel that the caller made; `options.address` serves messages only.
+  /// Uses a channel that the caller made; `options.address` serves messages only. No token is sent but what the channel
+  /// sends by itself.
   Client(std::shared_ptr<grpc::Channel> channel, const ClientOptions& options);
 
   /// Opens a stream of frames, which outlives the client. Does not wait for the server. INVALID_ARGUMENT for options
@@ -105,8 +128,10 @@ class Client {
   absl::StatusOr<ServerInfo> server_info(std::optional<std::chrono::milliseconds> timeout = std::nullopt) const;
 
   /// OK if the server says SERVING (grpc.health.v1); UNAVAILABLE if it says otherwise. `timeout` unset:
-  /// ClientOptions::timeout.
-  absl::Status health(std::optional<std::chrono::milliseconds> timeout = std::nullopt) const;
+  /// ClientOptions::timeout. `service`: "readiness", which is what "" means, too, or "liveness", which a server that is
+  /// about to stop still has. NOT_FOUND for names that the server does not know.
+  absl::Status health(std::optional<std::chrono::milliseconds> timeout = std::nullopt,
+                      const std::string& service = "") const;
 
  private:
   class State;

@@ -27,7 +27,7 @@ class Payload {
  public:
   /// An empty payload, which no server accepts.
   Payload();
-  /// For the library itself; the functions below make payloads.
+  /// Used by the library itself; the functions below make payloads.
   explicit Payload(std::shared_ptr<const PayloadData> data);
 
   /// The size of the encoded bytes.
@@ -36,7 +36,7 @@ class Payload {
   std::uint64_t points() const;
   /// The size of the decoded cloud, bytes; 0 if only a decoder can tell.
   std::uint64_t decoded_bytes() const;
-  /// For the library itself.
+  /// Used by the library itself.
   const PayloadData& data() const { return *data_; }
 
  private:

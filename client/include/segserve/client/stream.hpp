@@ -16,7 +16,8 @@ namespace segserve::client {
 
 class StreamThreads;
 
-/// A stream of frames to whichever server is in reach, made by Client::open_stream. example_stream.cpp shows it whole.
+/// A stream of frames to all servers that are in reach, made by Client::open_stream. Each frame goes to the one that is
+/// likely to be done with it first. example_stream.cpp shows it whole.
 ///
 ///     auto stream = client.open_stream().value();
 ///     stream.send(cloud).IgnoreError();
@@ -24,8 +25,8 @@ class StreamThreads;
 ///     while (const auto outcome = stream.next()) use(*outcome);
 ///
 /// Every frame that send() accepts ends in exactly one Outcome, also when the server stops, the connection breaks or
-/// the network goes silent. Unfinished frames then go to another server, which is safe because a result is a pure
-/// function of the frame.
+/// the network goes silent. Unfinished frames then go to another server, which may get them beside a silent one, which
+/// is safe because a result is a pure function of the frame.
 ///
 /// Any number of threads may call the functions at the same time; moving and destroying the stream excepted. A thread
 /// that calls both send() and next() must take outcomes before it has sent max_in_flight + max_waiting frames more than
@@ -42,7 +43,8 @@ class Stream {
   /// Hands a frame over, of which the stream keeps a copy, and returns its sequence: 1, 2, 3 and so on. Does not wait
   /// for the server, except as StreamOptions::when_behind says.
   ///
-  /// INVALID_ARGUMENT: the planes of the cloud do not fit each other, or the codec cannot encode it.
+  /// INVALID_ARGUMENT: the planes of the cloud do not fit each other, the codec cannot encode it, or the traceparent is
+  /// not valid.
   /// RESOURCE_EXHAUSTED: too many frames wait (kReject). DEADLINE_EXCEEDED: too many frames waited for the timeout of
   /// this one (kBlock). FAILED_PRECONDITION: finish() was called. Any other error is one for which no server will ever
   /// take a frame of this stream.

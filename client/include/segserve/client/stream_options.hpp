@@ -5,11 +5,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "absl/status/status.h"
 #include "segserve/client/frame.hpp"
+#include "segserve/tracking.hpp"
 #include "segserve/wire/codec.hpp"
 #include "segserve/wire/outputs.hpp"
 
@@ -43,8 +45,15 @@ struct StreamOptions {
   std::string client_name = {};   ///< for the server's logs; at most 256 bytes
   Options options = {};           ///< of frames that have none of their own
   wire::CodecOptions codec = {};  ///< how clouds are sent
-  /// Which arrays results hold, of frames that do not say so themselves.
+  /// The arrays of results, for frames that do not say so themselves.
   wire::Outputs outputs = {.labels = true, .supervoxels = true, .tree = true};
+  /// If it is set, objects keep their ids from frame to frame (Result::tracks). The stream then has a single frame on
+  /// its way at a time, in the order of send(), because each frame needs the state that the one before leaves: the
+  /// server that gets it does not matter. A frame that ends without a result leaves the state as it was, and the next
+  /// one goes on from there. The time of a frame is its stamp, or else when it was captured; one that was taken earlier
+  /// than the frame before counts as if hardly any time had passed. `time` and `pose` have no meaning here:
+  /// FrameOptions has them.
+  std::optional<TrackOptions> tracking = std::nullopt;
   Order order = Order::kSent;
   WhenBehind when_behind = WhenBehind::kBlock;
 
@@ -57,11 +66,20 @@ struct StreamOptions {
   /// server grants fails.
   std::uint64_t wanted_bytes = 0;
 
+  /// How many servers the stream has connections to at the same time; 1 to 64. Each frame goes to the one that is
+  /// likely to be done with it first. If the addresses stand for more servers, each stream uses others.
+  std::size_t max_servers = 16;
+  /// A frame that has no outcome after this time is sent to a second server as well, and the first answer counts; up to
+  /// a day; 0: never. At most one frame in ten is sent so, counted over some time, because a fleet that is late with
+  /// all frames has no use for even more of them.
+  std::chrono::milliseconds hedge_after{0};
+
   /// A frame without an outcome fails after this time with DEADLINE_EXCEEDED; 1 ms to a day. It fails earlier if others
   /// wait and too little time is left for its answer, judged by the frames before.
   std::chrono::milliseconds frame_timeout{30'000};
   /// A connection without a sign of life for this time is given up; 2 ms to a day. A server that computes for long
-  /// answers a probe in between.
+  /// answers a probe in between. With several servers, one that has been silent for a second and owes the answer to a
+  /// probe gets no more frames until it speaks, and what it has is sent to another server, too.
   std::chrono::milliseconds progress_timeout{5000};
 
   RetryOptions retry = {};

@@ -96,7 +96,7 @@ class TopicReader {
   /// UNAVAILABLE if reading fails, CANCELLED and DEADLINE_EXCEEDED as `stop` says.
   absl::StatusOr<std::optional<TopicFrame>> next(const StopToken& stop = {});
 
-  /// What of the recording was not used so far: a part that is damaged, or missing at the end.
+  /// The parts of the recording that were not used so far, because they are damaged, or missing at the end.
   std::vector<codec::Warning> warnings() const;
 
  private:

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/calls/retry.hpp"
+#include "client/fleet/retry.hpp"
+
+#include <algorithm>
 
 #include "proto/wire/status_message.hpp"
 
@@ -35,6 +37,17 @@ bool is_worth_reconnecting(const absl::Status& status) {
 absl::Status unavailable_if_cancelled(const absl::Status& status) {
   if (!absl::IsCancelled(status)) return status;
   return absl::UnavailableError("the server ended the call");
+}
+
+std::chrono::milliseconds backoff(const RetryOptions& retry, std::uint32_t attempt,
+                                  std::optional<std::chrono::milliseconds> asked_for, std::minstd_rand& random) {
+  constexpr std::uint32_t kMostDoublings = 20;
+  const std::uint32_t doublings = std::min(std::max(attempt, 1U) - 1, kMostDoublings);
+  const double full = std::min(static_cast<double>(retry.first_backoff.count()) * static_cast<double>(1U << doublings),
+                               static_cast<double>(retry.max_backoff.count()));
+  const double share = std::uniform_real_distribution<double>(0.5, 1.0)(random);
+  const auto wait = std::chrono::milliseconds(static_cast<std::int64_t>(full * share));
+  return std::max(wait, asked_for.value_or(wait));
 }
 
 }  // namespace segserve::client

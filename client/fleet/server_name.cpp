@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "client/stream/address_book.hpp"
+#include "client/fleet/server_name.hpp"
+
+#include <arpa/inet.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +12,8 @@
 
 namespace segserve::client {
 namespace {
+
+constexpr std::string_view kDefaultPort = "50051";
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(" \t");
@@ -25,7 +29,6 @@ bool has_resolver(std::string_view address) {
 }
 
 absl::StatusOr<std::string> with_port(std::string_view address) {
-  constexpr std::string_view kDefaultPort = "50051";
   if (has_resolver(address)) return std::string(address);
   if (address.find("://") != std::string_view::npos || address.find('/') != std::string_view::npos) {
     return absl::InvalidArgumentError(fmt::format(
@@ -44,6 +47,11 @@ absl::StatusOr<std::string> with_port(std::string_view address) {
   return std::string(address);
 }
 
+bool is_ip_address(const std::string& host) {
+  in6_addr address{};
+  return host.find(':') != std::string::npos || inet_pton(AF_INET, host.c_str(), &address) == 1;
+}
+
 }  // namespace
 
 absl::StatusOr<std::vector<std::string>> parse_addresses(std::string_view text) {
@@ -59,44 +67,20 @@ absl::StatusOr<std::vector<std::string>> parse_addresses(std::string_view text) 
   return addresses;
 }
 
-std::chrono::milliseconds backoff(const RetryOptions& retry, std::uint32_t attempt,
-                                  std::optional<std::chrono::milliseconds> asked_for, std::minstd_rand& random) {
-  constexpr std::uint32_t kMostDoublings = 20;
-  const std::uint32_t doublings = std::min(std::max(attempt, 1U) - 1, kMostDoublings);
-  const double full = std::min(static_cast<double>(retry.first_backoff.count()) * static_cast<double>(1U << doublings),
-                               static_cast<double>(retry.max_backoff.count()));
-  const double share = std::uniform_real_distribution<double>(0.5, 1.0)(random);
-  const auto wait = std::chrono::milliseconds(static_cast<std::int64_t>(full * share));
-  return std::max(wait, asked_for.value_or(wait));
-}
-
-AddressBook::AddressBook(std::size_t count, std::size_t first, RetryOptions retry, std::uint32_t seed)
-    : retry_(retry), random_(seed), entries_(count), turn_(first % count) {}
-
-AddressBook::Choice AddressBook::choose(Time now) const {
-  const auto when = [&](std::size_t address) { return std::max(now, entries_[address].not_before); };
-  Choice best{turn_, when(turn_)};
-  for (std::size_t i = 1; i < entries_.size(); ++i) {
-    const std::size_t address = (turn_ + i) % entries_.size();
-    if (when(address) < best.not_before) best = {address, when(address)};
+std::optional<HostName> name_to_look_up(std::string_view address) {
+  constexpr std::string_view kDns = "dns:", kNoServer = "///";
+  if (address.starts_with(kDns)) {
+    address.remove_prefix(kDns.size());
+    if (address.starts_with(kNoServer)) address.remove_prefix(kNoServer.size());
+  } else if (has_resolver(address)) {
+    return std::nullopt;
   }
-  return best;
-}
-
-void AddressBook::failed(std::size_t address, Time now, std::optional<std::chrono::milliseconds> asked_for) {
-  Entry& entry = entries_[address];
-  ++entry.failures;
-  entry.not_before = now + backoff(retry_, entry.failures, asked_for, random_);
-  turn_ = (address + 1) % entries_.size();
-}
-
-void AddressBook::reached(std::size_t address) {
-  entries_[address] = {};
-  turn_ = address;
-}
-
-bool AddressBook::nobody_in_reach() const {
-  return std::ranges::all_of(entries_, [](const Entry& entry) { return entry.failures > 0; });
+  if (address.find('/') != std::string_view::npos) return std::nullopt;  // names a DNS server to ask
+  const std::size_t colon = address.rfind(':');
+  HostName name{.host = std::string(address.substr(0, colon)), .port = std::string(kDefaultPort)};
+  if (colon != std::string_view::npos) name.port = address.substr(colon + 1);
+  if (name.host.empty() || name.host == "localhost" || is_ip_address(name.host)) return std::nullopt;
+  return name;
 }
 
 }  // namespace segserve::client
