@@ -1,37 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
-#include <optional>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "client/load_test/arrivals.hpp"
 #include "client/load_test/load.hpp"
-#include "client/load_test/load_report.hpp"
+#include "client/load_test/recorder.hpp"
+#include "client/load_test/run_clock.hpp"
 #include "core/base/mutex.hpp"
 #include "segserve/client/stream.hpp"
 
 namespace segserve::bench {
 
-/// A cloud in one encoding.
-struct PreparedFrame {
-  std::optional<client::Payload> payload;  ///< unset: the frame is encoded each time it is sent
-  std::vector<std::uint32_t> labels;       ///< of a local run; empty unless labels are verified
-};
-
-/// Everything that the clients of a load test share. It does not change while they run.
+/// Everything that the clients of a load test share.
 struct LoadSetup {
   const LoadOptions& options;
   const FrameSource& source;
-  std::vector<std::vector<PreparedFrame>> frames = {};  ///< by encoding and cloud
-  client::Time begin = {};
-  client::Time measured_from = {};
-  client::Time end = {};
+  const PreparedFrames& frames;
+  RunClock& clock;
+  Recorder& recorder;
 
-  std::size_t encoding_of(std::size_t client) const { return client % source.encodings.size(); }
+  std::size_t encoding_of(std::size_t client) const {
+    return (options.first_client + client) % source.encodings.size();
+  }
 };
 
 /// One client of a load test: a stream, a thread that sends and one that reads.
@@ -40,29 +37,31 @@ class LoadClient {
   /// `setup` must outlive the client; `index` counts the clients from 0.
   LoadClient(const LoadSetup& setup, std::size_t index, client::Stream stream);
 
-  /// Sends from LoadSetup::begin to LoadSetup::end.
+  /// Sends during the warm-up and the measured window, and reads until the end of the drain.
   void start();
-  /// Waits for the outcomes of all frames. Returns what was measured.
-  const Report& join();
-  /// Why the client stopped sending early; OK if it did not. After join().
+  /// Whether join() waits for nothing that takes time.
+  bool ended() const { return ended_; }
+  /// Waits for the threads. Frames without an outcome count as lost then, unless the run was interrupted.
+  void join() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Why no server will ever take a frame of this client; OK if that is not so. After join().
   const absl::Status& status() const { return status_; }
 
  private:
-  struct SentFrame {
-    std::size_t cloud = 0;
-    client::Time intended = {}, actual = {};
-    double encode_ms = 0;
-  };
-
   void send_all();
   void send_open_loop();
+  void send_closed_loop() ABSL_LOCKS_EXCLUDED(mutex_);
   /// When frames are due, and the first of them.
   Arrivals arrivals() const;
   std::size_t first_frame() const;
-  void send_closed_loop() ABSL_LOCKS_EXCLUDED(mutex_);
+  bool may_send() ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Whether a closed loop may go on.
   bool send(std::size_t frame, client::Time intended) ABSL_LOCKS_EXCLUDED(mutex_);
+  /// Counts a frame that was not handed over. `status` says why.
+  void lose(const SentFrame& frame, const absl::Status& status);
   void read_all() ABSL_LOCKS_EXCLUDED(mutex_);
   void record(const client::Outcome& outcome, const SentFrame& sent);
+  void lose_unfinished(const SentFrame& frame);
+  void cancel_unfinished() ABSL_LOCKS_EXCLUDED(mutex_);
 
   const LoadSetup& setup_;
   const std::size_t index_;
@@ -76,7 +75,8 @@ class LoadClient {
   std::map<std::uint64_t, SentFrame> sent_ ABSL_GUARDED_BY(mutex_);
   std::uint64_t last_sequence_ ABSL_GUARDED_BY(mutex_) = 0;
 
-  Report report_;        // of the reading thread
+  std::atomic<bool> has_sent_{false};  // all that it will send
+  std::atomic<bool> ended_{false};
   absl::Status status_;  // of the sending thread
   std::thread sender_, reader_;
 };

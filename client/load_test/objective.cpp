@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/load_test/objective.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "client/load_test/load_report.hpp"
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "fmt/format.h"
 
 namespace segserve::bench {
@@ -21,14 +24,21 @@ struct Metric {
   double (*value)(const Report&);
 };
 
+/// A latency over all frames: infinite if one failed.
+double with_failures(const Report& report, double milliseconds) {
+  return report.latency.failed() > 0 ? std::numeric_limits<double>::infinity() : milliseconds;
+}
+
 const std::vector<Metric>& metrics() {
   static const std::vector<Metric> kAll = {
       {"p50", Kind::kLatency, [](const Report& r) { return r.latency.percentile(50); }},
       {"p90", Kind::kLatency, [](const Report& r) { return r.latency.percentile(90); }},
+      {"p95", Kind::kLatency, [](const Report& r) { return r.latency.percentile(95); }},
       {"p99", Kind::kLatency, [](const Report& r) { return r.latency.percentile(99); }},
       {"p99.9", Kind::kLatency, [](const Report& r) { return r.latency.percentile(99.9); }},
-      {"mean", Kind::kLatency, [](const Report& r) { return r.latency.mean(); }},
-      {"max", Kind::kLatency, [](const Report& r) { return r.latency.max(); }},
+      {"p99.99", Kind::kLatency, [](const Report& r) { return r.latency.percentile(99.99); }},
+      {"mean", Kind::kLatency, [](const Report& r) { return with_failures(r, r.latency.mean()); }},
+      {"max", Kind::kLatency, [](const Report& r) { return with_failures(r, r.latency.max()); }},
       {"fps", Kind::kRate, [](const Report& r) { return r.frames_per_second(); }},
       {"mpoints", Kind::kRate, [](const Report& r) { return r.mpoints_per_second(); }},
       {"errors", Kind::kShare, [](const Report& r) { return r.error_percent(); }},
@@ -45,10 +55,10 @@ const Metric* find_metric(std::string_view name) {
 }
 
 absl::Status wrong(std::string_view text, std::string_view why) {
-  return absl::InvalidArgumentError(fmt::format("--objective {}: {}", text, why));
+  return absl::InvalidArgumentError(fmt::format("{}: {}", text, why));
 }
 
-/// By what a bound in this unit is multiplied, to be in ms or percent.
+/// The factor that turns a bound in this unit into ms or percent.
 absl::StatusOr<double> unit_factor(std::string_view text, Kind kind, std::string_view unit) {
   switch (kind) {
     case Kind::kLatency:
@@ -66,9 +76,7 @@ absl::StatusOr<double> unit_factor(std::string_view text, Kind kind, std::string
   return wrong(text, "the metric is unknown");
 }
 
-}  // namespace
-
-absl::StatusOr<Objective> parse_objective(std::string_view text) {
+absl::StatusOr<Objective> parse(std::string_view text) {
   const std::size_t at = text.find_first_of("<>");
   if (at == std::string_view::npos)
     return wrong(text, "it must be METRIC<NUMBER UNIT, for example p99<50ms; <=, > and >= are allowed as well");
@@ -91,12 +99,25 @@ absl::StatusOr<Objective> parse_objective(std::string_view text) {
   return objective;
 }
 
+}  // namespace
+
+absl::StatusOr<Objective> parse_objective(std::string_view text, std::string_view flag) {
+  auto objective = parse(text);
+  if (objective.ok()) return objective;
+  return absl::InvalidArgumentError(fmt::format("{} {}", flag, message_of(objective.status())));
+}
+
 double value(const Objective& objective, const Report& report) { return find_metric(objective.metric)->value(report); }
+
+bool bounds_errors(const std::vector<Objective>& objectives) {
+  return std::ranges::any_of(objectives, [](const Objective& each) { return each.metric == "errors"; });
+}
 
 bool is_met(const Objective& objective, const Report& report) {
   const bool is_latency = find_metric(objective.metric)->kind == Kind::kLatency;
   if (is_latency && report.latency.count() == 0) return false;  // nothing was measured
   const double reached = value(objective, report);
+  if (std::isinf(reached)) return false;  // a failed frame keeps no bound of latency, not even a lower one
   if (objective.comparison == "<") return reached < objective.bound;
   if (objective.comparison == "<=") return reached <= objective.bound;
   if (objective.comparison == ">") return reached > objective.bound;

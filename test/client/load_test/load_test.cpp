@@ -54,18 +54,23 @@ TEST(Load, ManyClientsWithAllCodecsGetTheirLabelsAndTheirShare) {
   options.stream.max_in_flight = 2;
   options.stream.frame_timeout = std::chrono::seconds(120);
   options.clients = 32;
-  options.warm_up = std::chrono::milliseconds(0);
+  options.warm_up = std::chrono::seconds(2);  // all of them are connected then
   options.duration = std::chrono::seconds(5);
   options.verify = true;
 
-  const auto report = run_load(options, {scenes(3), all_encodings()}, [](double) {});
-  ASSERT_TRUE(report.ok()) << report.status();
-  EXPECT_THAT(report->errors, testing::IsEmpty());
-  EXPECT_EQ(report->mismatches, 0U);
-  EXPECT_EQ(report->verified, report->sent);
-  ASSERT_EQ(report->results_of_client.size(), 32U);
-  EXPECT_GE(std::ranges::min(report->results_of_client), 2U);
-  EXPECT_GE(report->least_share_percent(), 50);
+  const FrameSource source{scenes(3), all_encodings()};
+  const auto result = run_load(options, source, prepare_frames(options, source).value(), {});
+  ASSERT_TRUE(result.ok()) << result.status();
+  const Report& report = result->total;
+  EXPECT_THAT(report.errors, testing::IsEmpty());
+  EXPECT_EQ(report.mismatches, 0U);
+  EXPECT_EQ(report.verified, report.sent);
+  ASSERT_EQ(report.finished_of_client.size(), 32U);
+  EXPECT_GE(std::ranges::min(report.finished_of_client), 2U);
+  // On a quiet machine it is about 90; one that does other work delays the threads of single clients.
+  EXPECT_GE(report.least_share_percent(), 30);
+  ASSERT_EQ(result->codecs.size(), source.encodings.size());
+  for (const Report& codec : result->codecs) EXPECT_GT(codec.results, 0U);
 }
 
 TEST(Load, AFrameThatCannotBeEncodedIsAnErrorBeforeTheRun) {
@@ -73,8 +78,8 @@ TEST(Load, AFrameThatCannotBeEncodedIsAnErrorBeforeTheRun) {
   cloud.x.resize(cloud.x.size() - 1);
   LoadOptions options;
   options.client.address = "127.0.0.1:1";
-  const auto report = run_load(options, {{std::make_shared<const Cloud>(cloud)}, all_encodings()}, [](double) {});
-  EXPECT_TRUE(absl::IsInvalidArgument(report.status())) << report.status();
+  const auto frames = prepare_frames(options, {{std::make_shared<const Cloud>(cloud)}, all_encodings()});
+  EXPECT_TRUE(absl::IsInvalidArgument(frames.status())) << frames.status();
 }
 
 }  // namespace
