@@ -15,7 +15,7 @@
 #include "segserve/codec/warning.hpp"
 #include "segserve/stop_token.hpp"
 
-// What every kind of recording has in common. The words are those of MCAP (https://mcap.dev/spec).
+// The interface that every kind of recording has. The words are those of MCAP (https://mcap.dev/spec).
 namespace segserve::recording {
 
 /// Describes the messages of a channel.
@@ -43,7 +43,7 @@ struct Message {
   std::string_view data;  ///< in memory of the source until its next call
 };
 
-/// What belongs to the recording as a whole: an attachment or a piece of metadata, as a record of MCAP.
+/// A part that belongs to the recording as a whole: an attachment or a piece of metadata, as a record of MCAP.
 struct Extra {
   std::uint8_t opcode = 0;
   std::string_view content;  ///< in memory of the source until its next call
@@ -64,7 +64,7 @@ struct Definitions {
   const Schema& schema_of(const Channel& channel) const;
 };
 
-/// What a recording holds, told without its messages.
+/// The contents of a recording, without its messages.
 struct Contents {
   Definitions definitions;
   std::map<std::uint16_t, std::uint64_t> messages;  ///< by channel
@@ -81,11 +81,11 @@ class MessageSource {
   virtual absl::StatusOr<std::optional<Item>> next(const StopToken& stop) = 0;
   /// The channels that have come so far. A message's own are among them.
   virtual const Definitions& definitions() const = 0;
-  /// What the file says of the kind of its messages: "ros2", "ros1" and so on, or nothing.
+  /// The kind of messages that the file claims to have: "ros2", "ros1" and so on, or nothing.
   virtual const std::string& profile() const = 0;
-  /// What of the file was not used so far.
+  /// The parts of the file that were not used so far.
   virtual const std::vector<codec::Warning>& warnings() const = 0;
-  /// What the file says of itself in an index; nothing if it has none, or a damaged one. To be called before `next`.
+  /// The contents by the file's own index; nothing if it has none, or a damaged one. To be called before `next`.
   virtual absl::StatusOr<std::optional<Contents>> indexed_contents() = 0;
 };
 
@@ -96,7 +96,7 @@ absl::StatusOr<std::unique_ptr<MessageSource>> open_source(const std::string& pa
 /// Whether a file that begins with these bytes is of a kind that open_source reads, or can tell what to do with.
 bool is_known_recording(std::string_view begin);
 
-/// What a recording holds: from its index or, without one, by reading all of it.
+/// Lists the contents of a recording, from its index or, without one, by reading all of it.
 absl::StatusOr<Contents> read_contents(const std::string& path, const codec::DecodeLimits& limits,
                                        const StopToken& stop);
 

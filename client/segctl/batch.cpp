@@ -16,11 +16,11 @@
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/interrupt.hpp"
 #include "client/segctl/summary.hpp"
-#include "client/segctl/view_flag.hpp"
 #include "core/base/mutex.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
+#include "proto/text/view_text.hpp"
 #include "proto/wire/codec_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "segserve/codec/cloud_file.hpp"
@@ -63,7 +63,7 @@ class SentScenes {
 /// given, a lossy codec, whether statistics are told, and the format of the cloud.
 std::string batch_key(const SegmentRequest& request, const SceneOutput& format) {
   std::string key = fmt::format("{} {}", wire::options_hash(request.options),
-                                request.view ? view_text(*request.view) : "as the file says");
+                                request.view ? text::view_text(*request.view) : "as the file says");
   if (request.codec && !wire::info(request.codec->codec).is_lossless) {
     key += fmt::format(" {} {} {}", wire::info(request.codec->codec).name, request.codec->error_bound,
                        request.codec->jpeg_quality);
@@ -123,6 +123,8 @@ absl::StatusOr<Scene> Batch::load(std::size_t file) const {
 
 absl::Status Batch::write(Scene& scene, const client::Result& result) const {
   const BatchInput& input = job_.inputs[scene.file];
+  if (job_.sheet != nullptr) job_.sheet->add(scene.file, scene.content.cloud, result.segmentation.labels);
+  if (input.cloud_path.empty()) return absl::OkStatus();
   auto summary = to_json({.result = result,
                           .input = input.path,
                           .server = result.in_this_process ? "" : job_.server,
@@ -200,7 +202,7 @@ absl::Status Batch::send(std::size_t file, std::uint64_t sequence, client::Strea
                    client::cloud_payload(scene.content.cloud, job_.request.codec.value_or(wire::CodecOptions{})));
   const codec::Placement placement = scene.content.placement;
   sent_.put(sequence, std::move(scene));  // The outcome can come before send returns.
-  client::FrameOptions frame{.request_id = fmt::format("{}", file)};
+  client::FrameOptions frame{.request_id = fmt::format("{}", file), .traceparent = job_.request.traceparent};
   if (!placement.is_identity()) frame.options = codec::to_cloud(placement, job_.request.options);
   const auto sent = stream.send(std::move(payload), frame);
   if (!sent.ok()) sent_.take(sequence);

@@ -11,6 +11,7 @@
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/segment_arguments.hpp"
+#include "client/segctl/sheet_collector.hpp"
 #include "segserve/client/client.hpp"
 
 namespace segserve::segctl {
@@ -25,6 +26,8 @@ struct BatchJob {
   client::StreamOptions stream;
   const SceneOutput* format = nullptr;  ///< Encoding and colors of the labeled clouds; not null.
   const JsonFlag* json = nullptr;       ///< Where one JSON object a file goes, each on a line; not null.
+  std::string sheet_path;               ///< Where the contact sheet goes; empty: nowhere.
+  SheetCollector* sheet = nullptr;      ///< Collects its pictures; null without one.
   bool quiet = false;
 };
 

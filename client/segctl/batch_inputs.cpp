@@ -24,9 +24,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// Whether an entry of a folder is to be read. A link that leads nowhere is, so that its fault is told.
 bool is_cloud_file(const fs::directory_entry& entry) {
   std::error_code error;
-  return entry.is_regular_file(error) && codec::is_cloud_file(entry.path().string());
+  const bool is_dangling = entry.is_symlink(error) && !entry.exists(error);
+  return (is_dangling || entry.is_regular_file(error)) && codec::is_cloud_file(entry.path().string());
 }
 
 /// Whether the name is that of a file with clouds that a folder's batch does not read.
@@ -60,7 +62,7 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
   std::vector<std::string> files;
   for (const std::string& path : paths) {
     std::error_code error;
-    if (path == "-") return absl::InvalidArgumentError("standard input has no name for --out-dir");
+    if (path == "-") return absl::InvalidArgumentError("standard input has no name for --out-dir and --contact-sheet");
     if (fs::is_directory(path, error)) {
       RETURN_IF_ERROR(append_cloud_files(path, files));
     } else if (fs::exists(path, error)) {
@@ -77,7 +79,7 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
   return files;
 }
 
-// What a summary says. Other programs may have written the file.
+// These functions read a summary. Other programs may have written the file.
 
 Json member(const Json& json, const char* name) {
   return json.is_object() && json.contains(name) ? json[name] : Json();
@@ -92,8 +94,12 @@ std::uint64_t number(const Json& json) { return json.is_number_unsigned() ? json
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths,
                                                      const std::string& out_dir) {
   ASSIGN_OR_RETURN(const auto files, expand_folders(paths));
-  const std::vector<std::string> names = output_names(files);
   std::vector<BatchInput> inputs;
+  if (out_dir.empty()) {
+    for (const std::string& file : files) inputs.push_back({file, "", ""});
+    return inputs;
+  }
+  const std::vector<std::string> names = output_names(files);
   std::map<std::string, std::string> owners;  // from a name in the output folder to the file that is written there
   for (std::size_t i = 0; i < files.size(); ++i) {
     const std::string stem = (fs::path(out_dir) / names[i]).string();

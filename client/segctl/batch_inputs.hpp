@@ -14,13 +14,14 @@ namespace segserve::segctl {
 /// One file of a batch, and where its outputs go.
 struct BatchInput {
   std::string path;
-  std::string cloud_path;    ///< DIR/NAME.pcd: the labeled cloud. For NAME see output_names.
+  std::string cloud_path;    ///< DIR/NAME.pcd: the labeled cloud. For NAME see output_names. Empty: none is written.
   std::string summary_path;  ///< DIR/NAME.json: written last, so that it stands for a complete output.
 };
 
 /// The given files, and the files of clouds (codec::is_cloud_file) in the given folders (not in folders within them),
-/// sorted by name within each folder. A file that is given twice is taken once. INVALID_ARGUMENT if there is none, or
-/// if an output would overwrite a file or another output; NOT_FOUND for a path that does not exist.
+/// sorted by name within each folder. A file that is given twice is taken once. Without `out_dir` nothing is written.
+/// INVALID_ARGUMENT if there is none, or if an output would overwrite a file or another output; NOT_FOUND for a path
+/// that does not exist.
 absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::string>& paths, const std::string& out_dir);
 
 /// The counts in the summary of an earlier run.

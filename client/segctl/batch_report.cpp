@@ -2,7 +2,9 @@
 #include "client/segctl/batch_report.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "client/segctl/exit_code.hpp"
 #include "client/segctl/messages.hpp"
@@ -11,6 +13,7 @@
 #include "client/segctl/summary.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/lab/picture/picture.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 
@@ -37,7 +40,7 @@ Json to_json(const BatchInput& input, const FileOutcome& outcome) {
   const bool has_output = outcome.state == State::kSegmented || outcome.state == State::kSkipped;
   return {{"input", input.path},
           {"state", name_of(outcome.state)},
-          {"output", has_output ? Json(input.cloud_path) : Json()},
+          {"output", has_output && !input.cloud_path.empty() ? Json(input.cloud_path) : Json()},
           {"points", has_output ? Json(outcome.points) : Json()},
           {"segments", has_output ? Json(outcome.segments) : Json()},
           {"warnings", warnings_json(outcome.warnings)},
@@ -64,15 +67,23 @@ absl::Status stopped_status(const std::vector<FileOutcome>& outcomes, const absl
                                       done, outcomes.size(), failed > 0 ? fmt::format(", {} failed", failed) : "")};
 }
 
+void add_sheet(const BatchJob& job, const std::vector<FileOutcome>& outcomes, StagedOutput& output) {
+  if (job.sheet == nullptr) return;
+  auto image = std::make_shared<const picture::Image>(job.sheet->make(job.inputs, outcomes));
+  output.add(job.sheet_path, [image](const std::string& target) { return picture::write_png(target, *image); });
+}
+
 }  // namespace
 
 absl::Status report_batch(const BatchJob& job, const std::vector<FileOutcome>& outcomes, const absl::Status& stopped) {
   if (job.client && std::ranges::any_of(outcomes, &FileOutcome::in_this_process)) warn_of_fallback(job.server);
   StagedOutput output;
   RETURN_IF_ERROR(job.json->announce(output));
+  if (job.sheet != nullptr) RETURN_IF_ERROR(output.announce(job.sheet_path));
   std::string lines;
   for (std::size_t i = 0; i < outcomes.size(); ++i) lines += json_text(to_json(job.inputs[i], outcomes[i]));
   job.json->add(output, lines);
+  add_sheet(job, outcomes, output);
   if (!job.quiet && !output.uses_stdout()) output.add("-", counts_text(outcomes));
   RETURN_IF_ERROR(output.commit());
   for (std::size_t i = 0; i < outcomes.size() && !job.quiet; ++i) {

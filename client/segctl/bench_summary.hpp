@@ -1,29 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
+#include "client/load_test/findings.hpp"
 #include "client/load_test/load.hpp"
-#include "client/load_test/load_report.hpp"
 #include "client/load_test/objective.hpp"
-#include "nlohmann/json_fwd.hpp"
+#include "client/load_test/plan.hpp"
+#include "client/load_test/search.hpp"
+#include "client/load_test/server_metrics.hpp"
+#include "nlohmann/json.hpp"
 
 namespace segserve::segctl {
 
 /// A load test and its measurements.
 struct BenchSummary {
-  const bench::Report& report;
-  const bench::LoadOptions& load;
-  const std::vector<bench::Objective>& objectives;
-  std::string server, codec;
-  double offered = 0;  ///< open loop: frames a second of all clients together
+  bench::LoadResult result;
+  bench::LoadOptions load;
+  std::vector<bench::Objective> objectives;
+  std::vector<bench::Finding> findings;
+  std::vector<bench::LoadPoint> points;  ///< none if the load has one level
+  std::optional<bench::Objective> search;
+  std::optional<bench::Capacity> capacity;  ///< that the search found
+  std::string server;
+  std::vector<std::string> codecs;  ///< in the order of LoadResult::codecs
+  std::optional<bench::ServerMetrics> server_metrics;
+  std::optional<std::map<std::string, std::uint64_t>> faults;  ///< how often each kind of --fault happened
+  std::optional<double> offered;                               ///< open loop: frames a second of all clients together
+  double started = 0;                                          ///< seconds since 1970, when the runs began
+  nlohmann::ordered_json host, server_info;
+
+  /// The codecs for people, e.g. "planar, rgbd".
+  std::string codec() const;
 };
 
-/// One object. Figures that are computed from results are null if there is no result.
-nlohmann::ordered_json to_json(const BenchSummary& summary);
+/// When the frames of an open loop come: "constant", "poisson" or "recorded".
+const char* arrivals_name(const bench::LoadOptions& load);
 
-/// A few lines for people.
-std::string to_text(const BenchSummary& summary);
+/// The first reason for an exit code other than 0, or OK: CANCELLED if the run was interrupted.
+absl::Status verdict(const BenchSummary& summary);
 
 }  // namespace segserve::segctl

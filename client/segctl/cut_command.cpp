@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <chrono>
-#include <optional>
 #include <string>
-#include <utility>
 
 #include "client/segctl/command.hpp"
+#include "client/segctl/dendrogram_flag.hpp"
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/json_flag.hpp"
-#include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
+#include "client/segctl/saved_result.hpp"
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/split_output.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "client/segctl/summary.hpp"
 #include "core/base/status_macros.hpp"
-#include "core/base/status_text.hpp"
-#include "fmt/format.h"
-#include "segserve/client/cloud_fingerprint.hpp"
-#include "segserve/client/result_file.hpp"
-#include "segserve/codec/cloud_file.hpp"
 #include "segserve/merge_tree.hpp"
 #include "segserve/segment.hpp"
 
@@ -28,10 +22,11 @@ namespace {
 HelpText help() {
   return {
       .common = {"--threshold", "--regions", "--cloud", "--output", "--drop-unlabelled", "--split", "--picture",
-                 "--segments", "--json"},
+                 "--dendrogram", "--segments", "--json"},
       .examples = R"(segctl segment scene.pcd --result scene.segres
 segctl cut scene.segres --threshold 0.25
-segctl cut scene.segres --regions 8 --cloud scene.pcd -o labeled.ply --picture segments.png)",
+segctl cut scene.segres --regions 8 --cloud scene.pcd -o labeled.ply --picture segments.png
+segctl cut scene.segres --threshold 0.1 --dendrogram tree.png)",
       .details =
           R"(A saved result is one line of text, "segserve-result 3 BYTES CRC32 COORDINATES COLORS", where BYTES is the size of
 the rest and CRC32 its checksum in hexadecimal, followed by a segserve.v1.SegmentResponse (protobuf) with labels,
@@ -47,6 +42,7 @@ struct CutArguments {
   std::string cloud_path;
   SceneOutput scene_output;
   SplitOutput split_output;
+  DendrogramFlag dendrogram;
   bool segments = false;
   JsonFlag json;
   bool quiet = false;
@@ -65,6 +61,7 @@ void CutArguments::add_to(CLI::App& app) {
       ->group("Output");
   scene_output.add_to(app);
   split_output.add_to(app);
+  dendrogram.add_to(app);
   app.add_flag("--segments", segments,
                "tell points, centroid, oriented box and mean color of every segment in --json (the normals of a new "
                "cut are not known)")
@@ -83,46 +80,8 @@ absl::Status announce_outputs(const CutArguments& arguments, StagedOutput& outpu
   }
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
   RETURN_IF_ERROR(arguments.split_output.announce(output));
+  RETURN_IF_ERROR(arguments.dendrogram.announce(output));
   return arguments.json.announce(output);
-}
-
-struct SavedResult {
-  client::Result result;
-  std::optional<client::CloudFingerprint> cloud;  ///< Unset in files of version 2.
-};
-
-absl::StatusOr<SavedResult> load_result(const std::string& path) {
-  ASSIGN_OR_RETURN(const std::string bytes, read_input(path));
-  auto result = client::decode_result_file(bytes);
-  if (!result.ok()) return with_prefix(input_name(path), result.status());
-  ASSIGN_OR_RETURN(const auto cloud, client::fingerprint_in_result_file(bytes));
-  return SavedResult{*std::move(result), cloud};
-}
-
-/// INVALID_ARGUMENT if it is plain that the result is of another cloud.
-absl::Status check_cloud(const CutArguments& arguments, const SavedResult& saved, const CloudView& cloud) {
-  const std::string cloud_name = input_name(arguments.cloud_path), result_name = input_name(arguments.result_path);
-  if (cloud.size() != saved.result.points) {
-    return absl::InvalidArgumentError(fmt::format("{} has {} points, but the saved result has {}: it is another cloud",
-                                                  cloud_name, cloud.size(), saved.result.points));
-  }
-  if (!saved.cloud) {
-    print_warning(
-        fmt::format("{} was saved by an older segctl and does not tell which cloud it belongs to: it is not "
-                    "checked that this is {}",
-                    result_name, cloud_name));
-    return absl::OkStatus();
-  }
-  const client::CloudFingerprint print = client::fingerprint(cloud);
-  if (print.coordinates != saved.cloud->coordinates) {
-    return absl::InvalidArgumentError(
-        fmt::format("{} is not the cloud that was segmented for {}: it has as many points, but other ones", cloud_name,
-                    result_name));
-  }
-  if (print.colors != saved.cloud->colors) {
-    print_warning(fmt::format("{} has other colors than the cloud that was segmented", cloud_name));
-  }
-  return absl::OkStatus();
 }
 
 /// Replaces the labels of a result by those of another cut of its tree.
@@ -138,22 +97,14 @@ absl::Status recut(client::Result& result, const Options& options) {
   return absl::OkStatus();
 }
 
-/// Reads the cloud as it was read when it was segmented.
-codec::ReadOptions read_options(const client::Result& result) {
-  codec::ReadOptions options{.view = result.view, .keep_everything = true};
-  for (const codec::LengthUnit unit : codec::length_units()) {
-    if (codec::meters_per_unit(unit) == result.placement.meters_per_unit()) options.unit = unit;
-  }
-  return options;
-}
-
 /// Adds what needs the points: the labeled cloud, its pictures, the statistics of the segments.
 absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, StagedOutput& output) {
   client::Result& result = saved.result;
-  ASSIGN_OR_RETURN(const auto scene, codec::load_cloud(arguments.cloud_path, read_options(result)));
-  RETURN_IF_ERROR(check_cloud(arguments, saved, scene.cloud));
+  ASSIGN_OR_RETURN(const auto scene,
+                   load_segmented_cloud(arguments.cloud_path, saved, input_name(arguments.result_path)));
   RETURN_IF_ERROR(arguments.scene_output.add(output, scene, result.segmentation.labels));
   RETURN_IF_ERROR(arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output));
+  RETURN_IF_ERROR(arguments.dendrogram.add(output, result, &scene, arguments.scene_output));
   if (!arguments.segments) return absl::OkStatus();
   RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), result.segmentation));
   for (SegmentStatistics& segment : result.segmentation.statistics) codec::to_file(scene.placement, segment);
@@ -162,18 +113,25 @@ absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, Staged
 
 absl::Status run(const CutArguments& arguments) {
   StagedOutput output;
+  RETURN_IF_ERROR(output.protect({arguments.result_path}, true));
+  if (!arguments.cloud_path.empty()) RETURN_IF_ERROR(output.protect({arguments.cloud_path}));
   RETURN_IF_ERROR(announce_outputs(arguments, output));
   ASSIGN_OR_RETURN(const Options options, arguments.cut.options());
   if (!options.threshold && !options.regions) {
     return absl::InvalidArgumentError("--threshold or --regions is needed: where shall the tree be cut?");
   }
-  ASSIGN_OR_RETURN(SavedResult saved, load_result(arguments.result_path));
+  ASSIGN_OR_RETURN(SavedResult saved, load_saved_result(arguments.result_path));
 
   const auto start = std::chrono::steady_clock::now();
   RETURN_IF_ERROR(recut(saved.result, options));
   const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
 
-  if (arguments.needs_points() || arguments.segments) RETURN_IF_ERROR(add_scene(arguments, saved, output));
+  if (!arguments.cloud_path.empty() &&
+      (arguments.needs_points() || arguments.segments || arguments.dendrogram.given())) {
+    RETURN_IF_ERROR(add_scene(arguments, saved, output));
+  } else {
+    RETURN_IF_ERROR(arguments.dendrogram.add(output, saved.result, nullptr, arguments.scene_output));
+  }
   const Summary summary{.result = saved.result,
                         .input = input_name(arguments.result_path),
                         .server = "",

@@ -10,6 +10,7 @@
 
 #include "client/segctl/command.hpp"
 #include "client/segctl/degradation_flags.hpp"
+#include "client/segctl/eval_tracks.hpp"
 #include "client/segctl/exit_code.hpp"
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/json_flag.hpp"
@@ -19,6 +20,7 @@
 #include "client/segctl/peer_method.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "client/segctl/track_flags.hpp"
 #include "client/segctl/view_flag.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
@@ -26,6 +28,7 @@
 #include "core/lab/eval/report.hpp"
 #include "core/lab/eval/thumbnails.hpp"
 #include "fmt/format.h"
+#include "proto/text/view_text.hpp"
 #include "segserve/codec/read_options.hpp"
 
 namespace segserve::segctl {
@@ -41,6 +44,9 @@ of the segmentation alone, on one thread. --view holds for the scenes of --learn
 --peer lccp scores PCL's VCCS and LCCP on the same scenes, with the settings of that README, and adds a paired t-test of
 each score. Its voxels suit a table at 1 m; name others for sparse scenes. It needs a segctl that was built with PCL.
 
+--track scores sequences instead: HOTA, its parts DetA and AssA, IDF1, and how often objects change their ids, by the
+points of objects and tracks with 100 points or more. Each sequence is segmented in this process, frame by frame.
+
 --learn takes the threshold among 0, 0.01, 0.02 and so on up to 1 that has the highest mean one_to_one tp on the scenes
 of its folder. These scenes are not degraded, and all of them must be readable.
 
@@ -55,6 +61,7 @@ segctl eval --data osd/test --method lambda-convex --learn osd/learn
 segctl eval --data osd/test --noise-mm 5 --no-color
 segctl eval --data osd/test --peer lccp --html scores.html
 segctl eval --compare default.json lambda.json
+segctl synth --moving moving; segctl eval --data moving --track
 segctl synth --fused --seed 1 -o rooms/1.pcd; segctl eval --data rooms --threshold 0.15)",
           .details = kDetails,
           .exit_codes = "0 success; 1 the operation failed (disk full); 2 bad input or usage."};
@@ -71,6 +78,7 @@ struct EvalArguments {
   std::string peer;
   JsonFlag json;
   PageFlags pages;
+  TrackFlags track;
   bool quiet = false;
 
   void add_to(CLI::App& app);
@@ -102,6 +110,8 @@ void EvalArguments::add_to(CLI::App& app) {
       ->type_name("NAME")
       ->needs(data_flag)
       ->group("Scenes");
+  track.add_to(app,
+               "score how objects keep their ids: --data is a sequence (segctl synth --moving), or a folder of such");
   options.add_to(app);
   degradation.add_to(app);
   json.add_to(app, "write the result as one JSON object");
@@ -229,12 +239,13 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
   RETURN_IF_ERROR(eval::check(report.degradation));
   Scenes scenes;
   ASSIGN_OR_RETURN(scenes.read, read_options(arguments));
-  if (scenes.read.view) report.view = view_text(*scenes.read.view);
+  if (scenes.read.view) report.view = text::view_text(*scenes.read.view);
   std::optional<PeerMethod> peer_to_score;
   if (!arguments.peer.empty()) {
     ASSIGN_OR_RETURN(peer_to_score, peer_method(arguments.peer));
   }
   ASSIGN_OR_RETURN(scenes.files, eval::scene_files(arguments.data));
+  for (const auto& file : scenes.files) RETURN_IF_ERROR(output.protect({file.string()}, true));
 
   if (!arguments.learn.empty()) {
     ASSIGN_OR_RETURN(report.learned, learn(arguments, options, scenes.read));
@@ -254,10 +265,25 @@ absl::Status run_evaluation(const EvalArguments& arguments, StagedOutput& output
   return report_failures(report, peer);
 }
 
+absl::Status run_tracks(const EvalArguments& arguments, StagedOutput& output) {
+  if (arguments.data.empty() || !arguments.learn.empty() || !arguments.peer.empty()) {
+    return absl::InvalidArgumentError("--track needs --data, and excludes --learn and --peer");
+  }
+  TrackEvaluation evaluation;
+  evaluation.folder = arguments.data;
+  evaluation.flags = &arguments.track;
+  ASSIGN_OR_RETURN(evaluation.options, check_options(arguments));
+  evaluation.degradation = arguments.degradation.degradation();
+  ASSIGN_OR_RETURN(evaluation.read, read_options(arguments));
+  ASSIGN_OR_RETURN(const TrackReport report, score_tracks(evaluation));
+  return write(arguments, to_json(report), to_text(report), output);
+}
+
 absl::Status run(const EvalArguments& arguments) {
   StagedOutput output;
   RETURN_IF_ERROR(arguments.json.announce(output));
   RETURN_IF_ERROR(arguments.pages.announce(output));
+  if (arguments.track.track) return run_tracks(arguments, output);
   if (!arguments.compare.empty()) return run_comparison(arguments, output);
   if (!arguments.data.empty()) return run_evaluation(arguments, output);
   return absl::InvalidArgumentError("--data or --compare is needed: what shall be scored?");

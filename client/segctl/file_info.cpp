@@ -14,10 +14,11 @@
 
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/summary.hpp"
-#include "client/segctl/view_flag.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
+#include "proto/text/result_json.hpp"
+#include "proto/text/view_text.hpp"
 #include "segserve/client/topic_reader.hpp"
 #include "segserve/codec/cloud_file.hpp"
 #include "segserve/codec/point_spacing.hpp"
@@ -27,8 +28,6 @@ namespace segserve::segctl {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 struct Box {
   Eigen::Vector3d low, high;
@@ -130,13 +129,14 @@ absl::StatusOr<Json> file_info(const std::string& path, codec::ReadOptions optio
   json["color"] = scene->cloud.has_color();
   json["labels"] = scene->label.empty() ? Json() : Json(labels.size());
   json["attributes"] = attributes_json(*scene);
-  json["box"] = box.finite == 0 ? Json() : Json{{"low", vector_json(box.low)}, {"high", vector_json(box.high)}};
+  json["box"] =
+      box.finite == 0 ? Json() : Json{{"low", text::vector_json(box.low)}, {"high", text::vector_json(box.high)}};
   json["spacing"] = spacing ? Json(*spacing / scene->placement.meters_per_unit()) : Json();
   json["unit"] = unit_json(*scene, options.unit);
-  json["view"] = view_text(to_file(scene->placement, scene->cloud.view));
+  json["view"] = text::view_text(to_file(scene->placement, scene->cloud.view));
   json["view_rule"] = scene->view_rule;
-  json["placement"] = {{"scale", vector_json(scene->placement.scale)},
-                       {"offset", vector_json(scene->placement.offset)}};
+  json["placement"] = {{"scale", text::vector_json(scene->placement.scale)},
+                       {"offset", text::vector_json(scene->placement.offset)}};
   const auto resolution = spacing ? fitting_resolution(scene->cloud, *spacing) : std::nullopt;
   json["voxel_resolution"] = resolution ? Json(*resolution) : Json();
   json["warnings"] = warnings_json(scene->warnings);
@@ -199,7 +199,7 @@ std::string file_info_text(const Json& info) {
                                info["placement"]["offset"][2]);
   if (offset != Eigen::Vector3d::Zero()) {
     text += fmt::format("the cloud is far from the origin, and moved by {} for the segmentation\n",
-                        position_text(vector_json(-offset)));
+                        position_text(text::vector_json(-offset)));
   }
   for (const Json& warning : info["warnings"]) {
     text += fmt::format("warning: {}\n", warning["message"].get<std::string>());

@@ -9,13 +9,13 @@
 
 namespace segserve::segctl {
 
-/// What is in the file of a cloud, without segmenting it: an object with file, format, bytes, points, width, height,
+/// Describes the file of a cloud, without segmenting it: an object with file, format, bytes, points, width, height,
 /// finite, color, labels, attributes, box and spacing (in the file's unit), unit, view, view_rule, placement,
 /// voxel_resolution (meters; one at which a voxel holds about four points) and warnings. Errors are those of read_input
 /// and decode_cloud.
 absl::StatusOr<nlohmann::ordered_json> file_info(const std::string& path, codec::ReadOptions options);
 
-/// What is in a recording: an object with file, format and topics, each of which has name, type, encoding, messages and
+/// Describes a recording: an object with file, format and topics, each of which has name, type, encoding, messages and
 /// has_frames. Errors are those of client::list_topics.
 absl::StatusOr<nlohmann::ordered_json> recording_info(const std::string& path);
 

@@ -46,6 +46,8 @@ class FrameSegmentation {
 
   SegmentRequest request_;
   std::size_t parallel_ = 1;
+  std::optional<TrackOptions> tracking_;
+  std::string track_state_;  ///< in this process
   std::optional<client::Stream> stream_;
   std::deque<Waiting> waiting_;
 };

@@ -37,6 +37,7 @@ class CommandHelp : public CLI::Formatter {
     if (mode == CLI::AppFormatMode::Sub) return make_expanded(app);
     std::string out = make_description(app) + make_usage(app, name) + make_positionals(app);
     for (const std::string& group : app->get_groups()) out += options_of_group(*app, group, mode);
+    out += commands_of(*app);
     out += fmt::format("\nExamples:\n{}\n", indented(text_.examples));
     if (mode == CLI::AppFormatMode::All && !text_.details.empty()) out += fmt::format("\n{}\n", text_.details);
     out += fmt::format("\nExit codes: {}\n", text_.exit_codes);
@@ -78,6 +79,15 @@ class CommandHelp : public CLI::Formatter {
       return option->get_group() != group || (mode != CLI::AppFormatMode::All && !is_common(option));
     });
     return members.empty() ? "" : make_group(group, false, members);
+  }
+
+  static std::string commands_of(const CLI::App& app) {
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    std::string text = commands.empty() ? "" : "\nCommands, instead of options:\n";
+    for (const CLI::App* command : commands) {
+      text += fmt::format("  {:<{}}{}\n", command->get_name(), kNameColumns - 2, command->get_description());
+    }
+    return text;
   }
 
   HelpText text_;

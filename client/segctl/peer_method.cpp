@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "client/segctl/number_list.hpp"
 #include "fmt/format.h"
+#include "proto/text/number_list.hpp"
 #ifdef SEGSERVE_WITH_PCL
 #include <dlfcn.h>
 
@@ -56,7 +56,7 @@ absl::StatusOr<PeerMethod> peer_method(const std::string& text) {
   constexpr std::string_view kWithResolutions = "lccp:";
   Resolutions resolutions;
   if (text.starts_with(kWithResolutions)) {
-    resolutions = parse_numbers<float, 2>(std::string_view(text).substr(kWithResolutions.size()));
+    resolutions = text::parse_numbers<float, 2>(std::string_view(text).substr(kWithResolutions.size()));
   }
   const bool in_range = resolutions && (*resolutions)[0] > 0 && (*resolutions)[0] <= (*resolutions)[1];
   if (text != "lccp" && !in_range) {

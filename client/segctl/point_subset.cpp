@@ -32,6 +32,7 @@ codec::LabeledCloud subset_of(const codec::LabeledCloud& scene, std::span<const 
   subset.cloud.width = static_cast<std::uint32_t>(points.size());
   subset.cloud.height = 1;
   subset.cloud.view = scene.cloud.view;
+  subset.cloud.view.cameras.clear();  // which tell the numbers of all points
   subset.placement = scene.placement;
   std::ranges::transform(scene.file_position, subset.file_position.begin(),
                          [&](const std::vector<double>& axis) { return entries(axis, 1, points); });

@@ -2,11 +2,11 @@
 #include "client/segctl/rgbd_flags.hpp"
 
 #include "client/segctl/input_file.hpp"
-#include "client/segctl/number_list.hpp"
 #include "client/segctl/tiff_image.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
+#include "proto/text/number_list.hpp"
 
 namespace segserve::segctl {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr const char* kGroup = "RGB-D images";
 
 absl::StatusOr<codec::Intrinsics> parse_intrinsics(std::string_view flag, const std::string& text) {
-  const auto numbers = parse_numbers<double, 4>(text);
+  const auto numbers = text::parse_numbers<double, 4>(text);
   if (!numbers) {
     return absl::InvalidArgumentError(fmt::format("{} {}: must be FX,FY,CX,CY, four numbers in pixels", flag, text));
   }
@@ -67,6 +67,14 @@ void RgbdFlags::add_to(CLI::App& app) {
 bool RgbdFlags::given() const {
   return !depth_path_.empty() || !color_path_.empty() || !intrinsics_.empty() || !color_intrinsics_.empty() ||
          !depth_unit_.empty() || depth_scale_option_->count() > 0;
+}
+
+std::vector<std::string> RgbdFlags::paths() const {
+  std::vector<std::string> paths;
+  for (const std::string& path : {depth_path_, color_path_}) {
+    if (!path.empty()) paths.push_back(path);
+  }
+  return paths;
 }
 
 absl::StatusOr<double> RgbdFlags::depth_scale(std::string_view depth) const {

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
@@ -21,6 +22,8 @@ class RgbdFlags {
   /// Whether any of the flags was given.
   bool given() const;
   /// The name of the input in messages.
+  /// The paths of the images that were named.
+  std::vector<std::string> paths() const;
   std::string input_name() const { return segctl::input_name(depth_path_); }
 
   /// The bytes of the files. TIFF becomes PGM, PFM or PPM, which servers read. INVALID_ARGUMENT if a flag is missing or

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/scene_output.hpp"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <locale>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 #include <vector>
 
@@ -11,7 +14,6 @@
 #include "client/segctl/point_subset.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
-#include "core/lab/picture/picture.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/pcd.hpp"
 
@@ -46,9 +48,29 @@ codec::LabeledCloud labeled_points(const codec::LabeledCloud& scene, std::span<c
 }
 
 void add_picture(StagedOutput& output, const std::string& path, const CloudView& cloud,
-                 std::span<const std::uint32_t> labels) {
-  auto image = std::make_shared<const picture::Image>(picture::render(cloud, labels));
+                 std::span<const std::uint32_t> labels, const picture::RenderOptions& options) {
+  auto image = std::make_shared<const picture::Image>(picture::render(cloud, labels, options));
   output.add(path, [image](const std::string& target) { return picture::write_png(target, *image); });
+}
+
+/// The position X,Y,Z that --view-from gives, in meters along the axes of the file.
+absl::StatusOr<Eigen::Vector3d> parse_view_from(const std::string& text) {
+  constexpr double kFarthest = 1e8;  // also of places on a globe
+  std::istringstream words(text);
+  words.imbue(std::locale::classic());
+  Eigen::Vector3d position;
+  char comma = ',';
+  for (int axis = 0; axis < 3; ++axis) {
+    if (axis > 0) words >> comma;
+    words >> position[axis];
+    if (comma != ',') words.setstate(std::ios::failbit);
+  }
+  if (!words || words.peek() != std::char_traits<char>::eof() || !position.allFinite() ||
+      position.cwiseAbs().maxCoeff() > kFarthest) {
+    return absl::InvalidArgumentError(
+        fmt::format("--view-from {}: must be X,Y,Z, a position in meters such as 1.5,-2,1", text));
+  }
+  return position;
 }
 
 }  // namespace
@@ -79,11 +101,30 @@ void SceneOutput::add_to(CLI::App& app) {
   app.add_option("--plain-picture", plain_picture_path_, "write a picture of the cloud in its own colors, as --picture")
       ->type_name("FILE")
       ->group("Output");
+  app.add_option("--view-from", view_from_,
+                 "where pictures look from, in meters along the axes of the file, towards the middle of the cloud; "
+                 "default: an image as it is, other clouds from the sensor, or obliquely from above")
+      ->type_name("X,Y,Z")
+      ->group("Output");
+  app.add_flag("--legend", legend_,
+               "numbers on the segments of --picture, and a legend with labels and sizes beside it")
+      ->group("Output");
+}
+
+absl::Status SceneOutput::check_without_pictures() const {
+  if (!legend_ && view_from_.empty()) return absl::OkStatus();
+  return absl::InvalidArgumentError("--legend and --view-from are for the pictures of one cloud");
 }
 
 absl::Status SceneOutput::announce(StagedOutput& output) const {
+  if (!view_from_.empty()) RETURN_IF_ERROR(parse_view_from(view_from_).status());
+  if (!view_from_.empty() && !wants_picture()) {
+    return absl::InvalidArgumentError("--view-from needs --picture or --plain-picture");
+  }
+  if (legend_ && picture_path_.empty()) return absl::InvalidArgumentError("--legend needs --picture");
   if (!cloud_path_.empty()) RETURN_IF_ERROR(check_format());
-  for (const std::string& path : {cloud_path_, picture_path_, plain_picture_path_}) {
+  if (!cloud_path_.empty()) RETURN_IF_ERROR(output.announce_labeled_cloud(cloud_path_));
+  for (const std::string& path : {picture_path_, plain_picture_path_}) {
     if (!path.empty()) RETURN_IF_ERROR(output.announce(path));
   }
   return absl::OkStatus();
@@ -144,9 +185,20 @@ absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& s
     }
     output.add(cloud_path_, std::move(file->bytes));
   }
-  if (!picture_path_.empty()) add_picture(output, picture_path_, scene.cloud, labels);
-  if (!plain_picture_path_.empty()) add_picture(output, plain_picture_path_, scene.cloud, {});
+  ASSIGN_OR_RETURN(const picture::RenderOptions options, render_options(scene));
+  if (!picture_path_.empty()) add_picture(output, picture_path_, scene.cloud, labels, options);
+  if (!plain_picture_path_.empty()) add_picture(output, plain_picture_path_, scene.cloud, {}, options);
   return absl::OkStatus();
+}
+
+absl::StatusOr<picture::RenderOptions> SceneOutput::render_options(const codec::LabeledCloud& scene) const {
+  picture::RenderOptions options;
+  options.legend = legend_;
+  if (view_from_.empty()) return options;
+  ASSIGN_OR_RETURN(const Eigen::Vector3d position, parse_view_from(view_from_));
+  const Eigen::Vector3d in_cloud = scene.placement.to_cloud(position / scene.placement.meters_per_unit());
+  options.view_from = in_cloud.cast<float>();
+  return options;
 }
 
 std::string SceneOutput::format_key() const {

@@ -9,13 +9,14 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "client/segctl/staged_output.hpp"
+#include "core/lab/picture/picture.hpp"
 #include "segserve/codec/file_format.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
 
 namespace segserve::segctl {
 
-/// The flags that ask for a labeled cloud and its pictures: --output, --encoding, --color, --drop-unlabeled, --picture
-/// and --plain-picture. It must outlive the parsing of the command line.
+/// The flags that ask for a labeled cloud and its pictures: --output, --encoding, --color, --drop-unlabeled, --picture,
+/// --plain-picture, --view-from and --legend. It must outlive the parsing of the command line.
 class SceneOutput {
  public:
   void add_to(CLI::App& app);
@@ -27,6 +28,9 @@ class SceneOutput {
   const std::string& cloud_path() const { return cloud_path_; }
   bool wants_picture() const { return !picture_path_.empty() || !plain_picture_path_.empty(); }
 
+  /// INVALID_ARGUMENT for flags of pictures where there are none.
+  absl::Status check_without_pictures() const;
+
   /// Checks the flags and announces the files.
   absl::Status announce(StagedOutput& output) const;
 
@@ -37,6 +41,9 @@ class SceneOutput {
   /// Adds the files that the flags ask for. `labels` has one entry per point. The scene has everything that its file
   /// had. Prints a warning of what the format of the cloud cannot hold.
   absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
+
+  /// How the flags ask pictures of this scene to be drawn. INVALID_ARGUMENT for a position that is none.
+  absl::StatusOr<picture::RenderOptions> render_options(const codec::LabeledCloud& scene) const;
 
   /// Names the flags that decide how encode_pcd writes a cloud; empty for the defaults.
   std::string format_key() const;
@@ -52,6 +59,8 @@ class SceneOutput {
   bool drop_unlabelled_ = false;
   std::string picture_path_;
   std::string plain_picture_path_;
+  std::string view_from_;
+  bool legend_ = false;
 };
 
 }  // namespace segserve::segctl

@@ -12,6 +12,8 @@
 
 #include "client/segctl/batch.hpp"
 #include "client/segctl/output_folder.hpp"
+#include "client/segctl/sheet_collector.hpp"
+#include "client/segctl/staged_output.hpp"
 #include "core/base/status_macros.hpp"
 #include "segserve/v1/segmentation_service.pb.h"
 
@@ -38,7 +40,7 @@ absl::Status prepare_remote(const SegmentArguments& arguments, BatchJob& job) {
   return absl::OkStatus();
 }
 
-/// Also the folders within, which tell files of the same name apart.
+/// Makes the folder, and the folders within, which tell files of the same name apart.
 absl::Status make_folders(const std::string& out_dir, const std::vector<BatchInput>& inputs) {
   RETURN_IF_ERROR(make_folder(out_dir));
   std::set<std::string> folders;
@@ -47,19 +49,33 @@ absl::Status make_folders(const std::string& out_dir, const std::vector<BatchInp
   return absl::OkStatus();
 }
 
+/// Tells faults of the paths of outputs before the work. Those within the folder are in batch_inputs.
+absl::Status check_outputs(const SegmentArguments& arguments, const std::vector<BatchInput>& inputs) {
+  StagedOutput output;
+  for (const BatchInput& input : inputs) RETURN_IF_ERROR(output.protect({input.path}, true));
+  RETURN_IF_ERROR(arguments.json.announce(output));
+  return arguments.contact_sheet.empty() ? absl::OkStatus() : output.announce(arguments.contact_sheet);
+}
+
 }  // namespace
 
 absl::Status segment_many(const SegmentArguments& arguments) {
   BatchJob job;
+  SheetCollector sheet;
+  if (!arguments.contact_sheet.empty()) {
+    job.sheet_path = arguments.contact_sheet;
+    job.sheet = &sheet;
+  }
   ASSIGN_OR_RETURN(job.request, arguments.request());
   ASSIGN_OR_RETURN(job.inputs, batch_inputs(arguments.scenes, arguments.out_dir));
+  RETURN_IF_ERROR(check_outputs(arguments, job.inputs));
   const std::size_t usual = arguments.local ? std::max(1U, std::thread::hardware_concurrency()) : kDefaultParallel;
   job.parallel = arguments.parallel == 0 ? usual : arguments.parallel;
   job.format = &arguments.scene_output;
   job.json = &arguments.json;
   job.quiet = arguments.quiet;
   if (!arguments.local) RETURN_IF_ERROR(prepare_remote(arguments, job));
-  RETURN_IF_ERROR(make_folders(arguments.out_dir, job.inputs));
+  if (!arguments.out_dir.empty()) RETURN_IF_ERROR(make_folders(arguments.out_dir, job.inputs));
   return run_batch(job);
 }
 

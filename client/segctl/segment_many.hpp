@@ -6,7 +6,7 @@
 
 namespace segserve::segctl {
 
-/// `segctl segment` with --out-dir: see run_batch. The output folder is made if it is missing.
+/// `segctl segment` with --out-dir or --contact-sheet: see run_batch. The output folder is made if it is missing.
 absl::Status segment_many(const SegmentArguments& arguments);
 
 }  // namespace segserve::segctl

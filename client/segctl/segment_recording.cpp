@@ -22,11 +22,14 @@ namespace {
 namespace fs = std::filesystem;
 
 absl::Status check_flags(const SegmentArguments& arguments) {
+  RETURN_IF_ERROR(arguments.track.check());
   const SceneOutput& output = arguments.scene_output;
-  if (output.wants_picture() || !arguments.result_path.empty() || !arguments.request_id.empty()) {
+  if (output.wants_picture() || arguments.dendrogram.given() || !arguments.contact_sheet.empty() ||
+      !arguments.result_path.empty() || !arguments.request_id.empty()) {
     return absl::InvalidArgumentError(
-        "--picture, --plain-picture, --result and --request-id are for one cloud, not for a recording");
+        "--picture, --plain-picture, --dendrogram, --contact-sheet, --result and --request-id are not for a recording");
   }
+  RETURN_IF_ERROR(output.check_without_pictures());
   const std::string& path = output.cloud_path();
   if (path.empty()) return absl::OkStatus();
   if (path != "-" && fs::path(path).extension() != ".mcap") {
@@ -67,7 +70,8 @@ class RecordingRun {
 
 absl::Status RecordingRun::open() {
   const std::string& path = arguments_.scene_output.cloud_path();
-  if (!path.empty()) RETURN_IF_ERROR(staged_.announce(path));
+  RETURN_IF_ERROR(staged_.protect(arguments_.scenes));
+  if (!path.empty()) RETURN_IF_ERROR(staged_.announce_labeled_cloud(path));  // It holds all that the recording does.
   RETURN_IF_ERROR(arguments_.json.announce(staged_));
   ASSIGN_OR_RETURN(const SegmentRequest request, arguments_.request());
   client::TopicReaderOptions options;
@@ -116,7 +120,7 @@ absl::Status RecordingRun::write(SegmentedFrame& done) {
   if (!arguments_.out_dir.empty() && done.result.ok()) RETURN_IF_ERROR(write_file(done));
   if (!output_) return absl::OkStatus();
   if (done.result.ok()) {
-    const absl::Status written = output_->write(done.recorded, done.result->segmentation.labels, *reader_);
+    absl::Status written = output_->write(done.recorded, shown_labels(*done.result), *reader_);
     if (!absl::IsInvalidArgument(written)) return written;
     done.result = written;  // There is no room for labels.
   }
@@ -128,7 +132,7 @@ absl::Status RecordingRun::write_file(const SegmentedFrame& done) const {
   const std::string path = (fs::path(arguments_.out_dir) / name).string();
   StagedOutput output;
   RETURN_IF_ERROR(output.announce(path));
-  output.add(path, arguments_.scene_output.encode_pcd(*done.recorded.frame.content, done.result->segmentation.labels));
+  output.add(path, arguments_.scene_output.encode_pcd(*done.recorded.frame.content, shown_labels(*done.result)));
   return output.commit();
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstdlib>
+#include <utility>
 
 #include "client/segctl/messages.hpp"
 #include "core/base/status_macros.hpp"
@@ -29,6 +30,25 @@ void ServerFlags::add_to(CLI::App& app, double default_timeout_s) {
                         ->group("Server");
   app.add_flag("--use-proxy", use_proxy_, "connect through the proxy of the environment, but never to this machine")
       ->group("Server");
+  app.add_flag("--tls", use_tls_, "encrypt the connection; the authorities of this system confirm who the server is")
+      ->group("Server");
+  app.add_option("--tls-ca", tls_.ca_file, "encrypt it; the authorities of this file in PEM confirm who the server is")
+      ->type_name("FILE")
+      ->group("Server");
+  app.add_option("--tls-cert", tls_.cert_file, "encrypt it, and show the server this certificate in PEM")
+      ->type_name("FILE")
+      ->group("Server");
+  app.add_option("--tls-key", tls_.key_file, "the private key of that certificate")->type_name("FILE")->group("Server");
+  app.add_option("--tls-server-name", tls_.server_name, "encrypt it, and expect this name in the server's certificate")
+      ->type_name("NAME")
+      ->group("Server");
+  app.add_option("--token-file", token_file_,
+                 "file that holds the bearer token for the server; a token itself is taken from SEGCTL_TOKEN")
+      ->type_name("FILE")
+      ->group("Server");
+  app.add_flag("--insecure-token", insecure_token_,
+               "send the token to other machines even as plain text, where whoever listens in can use it")
+      ->group("Server");
 }
 
 absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {
@@ -39,10 +59,23 @@ absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {
   return std::chrono::milliseconds(static_cast<std::int64_t>(timeout_s_ * 1000));
 }
 
+absl::StatusOr<client::ClientOptions> ServerFlags::options() const {
+  client::ClientOptions options{.address = address_, .use_proxy = use_proxy_};
+  ASSIGN_OR_RETURN(options.timeout, timeout());
+  const bool wants_tls = use_tls_ || !tls_.ca_file.empty() || !tls_.cert_file.empty() || !tls_.key_file.empty() ||
+                         !tls_.server_name.empty();
+  if (wants_tls) options.tls = tls_;
+  options.token_file = token_file_;
+  options.insecure_token = insecure_token_;
+  const char* token = std::getenv("SEGCTL_TOKEN");
+  if (token != nullptr && token_file_.empty()) options.token = token;
+  return options;
+}
+
 absl::StatusOr<client::Client> ServerFlags::connect(bool fallback_to_local) const {
-  ASSIGN_OR_RETURN(const auto limit, timeout());
-  return client::Client::connect(
-      {.address = address_, .timeout = limit, .fallback_to_local = fallback_to_local, .use_proxy = use_proxy_});
+  ASSIGN_OR_RETURN(client::ClientOptions wanted, options());
+  wanted.fallback_to_local = fallback_to_local;
+  return client::Client::connect(std::move(wanted));
 }
 
 absl::Status or_locally(const absl::Status& status) {

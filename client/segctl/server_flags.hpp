@@ -10,7 +10,8 @@
 
 namespace segserve::segctl {
 
-/// The flags --server, --timeout and --use-proxy. It must outlive the parsing of the command line.
+/// The flags --server, --timeout, --use-proxy, those of TLS, and those of the token. It must outlive the parsing of the
+/// command line.
 class ServerFlags {
  public:
   /// The address is that of --server, else that of the environment variable SEGCTL_SERVER, else 127.0.0.1:50051.
@@ -22,13 +23,20 @@ class ServerFlags {
 
   /// INVALID_ARGUMENT unless it is at least a millisecond and at most a day.
   absl::StatusOr<std::chrono::milliseconds> timeout() const;
-  /// `fallback_to_local` as in client::ClientOptions.
+  /// Makes options of the flags. INVALID_ARGUMENT as of timeout(). The token is that of --token-file, else that of the
+  /// environment variable SEGCTL_TOKEN.
+  absl::StatusOr<client::ClientOptions> options() const;
+  /// `fallback_to_local` as in client::ClientOptions. INVALID_ARGUMENT if a file of TLS is wrong.
   absl::StatusOr<client::Client> connect(bool fallback_to_local = false) const;
 
  private:
   std::string address_;
   double timeout_s_ = 0;
   bool use_proxy_ = false;
+  bool use_tls_ = false;
+  client::TlsOptions tls_;
+  std::string token_file_;
+  bool insecure_token_ = false;
   CLI::Option* server_option_ = nullptr;
   CLI::Option* timeout_option_ = nullptr;
 };

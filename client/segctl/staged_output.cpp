@@ -110,7 +110,16 @@ class TemporaryFiles {
 
 }  // namespace
 
-absl::Status StagedOutput::announce(std::string_view path) {
+absl::Status StagedOutput::protect(const std::vector<std::string>& inputs, bool by_labeled_cloud) {
+  for (const std::string& path : inputs) {
+    if (path == "-") continue;
+    inputs_.push_back({path, by_labeled_cloud});
+    for (const Announced& output : announced_) RETURN_IF_ERROR(check_replacement(output, inputs_.back()));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status StagedOutput::announce(std::string_view path, bool is_labeled_cloud) {
   std::string target = path == "-" ? "-" : target_of(fs::path(path)).string();
   if (path != "-") {
     const fs::path parent = fs::path(target).parent_path();
@@ -122,11 +131,13 @@ absl::Status StagedOutput::announce(std::string_view path) {
       return absl::InvalidArgumentError(fmt::format("cannot write '{}': it is not the name of a file", path));
     }
   }
-  if (std::ranges::find(announced_, target) != announced_.end() && (path == "-" || is_replaceable(target))) {
+  const bool is_announced = std::ranges::find(announced_, target, &Announced::target) != announced_.end();
+  if (is_announced && (path == "-" || is_replaceable(target))) {
     return absl::InvalidArgumentError(
         fmt::format("two outputs cannot both go to {}", path == "-" ? "standard output" : path));
   }
-  announced_.push_back(std::move(target));
+  announced_.push_back({std::move(target), is_labeled_cloud});
+  for (const Input& input : inputs_) RETURN_IF_ERROR(check_replacement(announced_.back(), input));
   return absl::OkStatus();
 }
 
@@ -149,7 +160,17 @@ void StagedOutput::add(std::string_view path, Writer writer) {
   files_.push_back({std::string(path), std::move(writer)});
 }
 
-bool StagedOutput::uses_stdout() const { return std::ranges::find(announced_, "-") != announced_.end(); }
+bool StagedOutput::uses_stdout() const {
+  return std::ranges::find(announced_, "-", &Announced::target) != announced_.end();
+}
+
+absl::Status StagedOutput::check_replacement(const Announced& output, const Input& input) {
+  if (output.target == "-" || (output.is_labeled_cloud && !input.by_labeled_cloud)) return absl::OkStatus();
+  std::error_code error;
+  if (!fs::equivalent(output.target, input.path, error) || !is_replaceable(output.target)) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      fmt::format("{} would be overwritten by an output: choose another name for it", input.path));
+}
 
 absl::Status StagedOutput::commit() {
   NewFolders folders;

@@ -17,7 +17,14 @@ class StagedOutput {
  public:
   /// Announces a file ("-": standard output) before the work starts. INVALID_ARGUMENT if its folder does not exist, if
   /// it is a folder, or if the same target was announced already.
-  absl::Status announce(std::string_view path);
+  absl::Status announce(std::string_view path) { return announce(path, false); }
+  /// Announces the labeled cloud, which holds all that its input holds, so that it may take the input's place.
+  absl::Status announce_labeled_cloud(std::string_view path) { return announce(path, true); }
+
+  /// Names files that the command reads. INVALID_ARGUMENT if an output that was announced, or will be, would replace
+  /// one of them, by whatever name: announce() then says so. Only the labeled cloud may, if `by_labeled_cloud` is
+  /// false.
+  absl::Status protect(const std::vector<std::string>& inputs, bool by_labeled_cloud = false);
 
   /// Announces a folder for files, which commit() makes if it is missing, and removes again if it fails.
   /// INVALID_ARGUMENT if there is a file of this name.
@@ -45,7 +52,20 @@ class StagedOutput {
     std::string path;
     Writer write;
   };
-  std::vector<std::string> announced_;
+  struct Announced {
+    std::string target;  ///< "-", or where symbolic links lead
+    bool is_labeled_cloud = false;
+  };
+  struct Input {
+    std::string path;
+    bool by_labeled_cloud = false;  ///< it is protected from the labeled cloud, too
+  };
+
+  absl::Status announce(std::string_view path, bool is_labeled_cloud);
+  static absl::Status check_replacement(const Announced& output, const Input& input);
+
+  std::vector<Announced> announced_;
+  std::vector<Input> inputs_;
   std::vector<std::string> folders_;
   std::vector<File> files_;
   std::vector<std::string> removed_;

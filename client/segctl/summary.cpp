@@ -2,10 +2,10 @@
 #include "client/segctl/summary.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "client/segctl/messages.hpp"
-#include "client/segctl/view_flag.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 #include "proto/wire/result_message.hpp"
@@ -14,13 +14,6 @@ namespace segserve::segctl {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-template <typename Value>
-Json optional_json(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json();
-}
-
-Json text_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
 
 /// The number of points of each segment: entry s - 1 is that of segment s.
 std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
@@ -31,33 +24,14 @@ std::vector<std::size_t> segment_sizes(const Segmentation& segmentation) {
   return sizes;
 }
 
-Json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
-
-Json support_plane_json(const std::optional<SupportPlane>& plane) {
-  if (!plane) return {};
-  return {{"points", plane->points}, {"normal", vector_json(plane->normal)}, {"offset", plane->offset}};
-}
-
-Json optional_vector_json(const std::optional<Eigen::Vector3d>& v) { return v ? vector_json(*v) : Json(); }
-
-Json segment_json(std::size_t label, const SegmentStatistics& segment) {
-  Json axes = Json::array();
-  for (int k = 0; k < 3; ++k) axes.push_back(vector_json(segment.box.axes.col(k)));
-  return {{"label", label},
-          {"points", segment.points},
-          {"centroid", vector_json(segment.centroid)},
-          {"box",
-           {{"center", vector_json(segment.box.center)},
-            {"axes", axes},
-            {"half_extents", vector_json(segment.box.half_extents)}}},
-          {"color", optional_vector_json(segment.color)},
-          {"normal", optional_vector_json(segment.normal)}};
-}
-
 std::string support_plane_text(const SupportPlane& plane) {
   if (plane.points == 0) return "no support plane found\n";
-  return fmt::format("support plane removed: {} points, {:.4f} x + {:.4f} y + {:.4f} z = {:.4f} m\n", plane.points,
-                     plane.normal.x(), plane.normal.y(), plane.normal.z(), plane.offset);
+  const auto rounded = [](double value) { return std::round(1e4 * value) / 1e4 + 0.0; };  // no negative zero
+  const auto term = [&](double factor) {
+    return fmt::format("{} {:.4f}", rounded(factor) < 0 ? "-" : "+", std::abs(rounded(factor)));
+  };
+  return fmt::format("support plane removed: {} points, {:.4f} x {} y {} z = {:.4f} m\n", plane.points,
+                     rounded(plane.normal.x()), term(plane.normal.y()), term(plane.normal.z()), plane.offset);
 }
 
 std::string placement_text(const codec::Placement& placement) {
@@ -102,23 +76,6 @@ void take_file_facts(const codec::LabeledCloud& file, client::Result& result) {
   wire::take_payload_facts(file.placement, file.warnings, result);
 }
 
-Json warnings_json(const std::vector<codec::Warning>& warnings) {
-  Json json = Json::array();
-  for (const codec::Warning& warning : warnings) {
-    json.push_back({{"reason", name(warning.reason)}, {"message", warning.message}});
-  }
-  return json;
-}
-
-std::vector<Timing> stage_timings(const client::Result& result) {
-  const client::Result& r = result;
-  const StageTimings& stages = r.segmentation.timings;
-  return {{"queue", r.timings.queue},   {"decode", r.timings.decode},        {"voxels", stages.voxels},
-          {"normals", stages.normals},  {"supervoxels", stages.supervoxels}, {"graph", stages.graph},
-          {"merging", stages.merging},  {"labels", stages.labels},           {"segments", stages.segments},
-          {"encode", r.timings.encode}, {"total", r.timings.total}};
-}
-
 std::string resolution_text(const Resolution& resolution) {
   std::string voxels = fmt::format("voxels of {:.3g} mm", 1000 * resolution.voxel);
   switch (resolution.reason) {
@@ -137,42 +94,24 @@ std::string resolution_text(const Resolution& resolution) {
 }
 
 Json to_json(const Summary& summary) {
-  const client::Result& result = summary.result;
-  Json json;
-  json["points"] = result.points;
-  json["finite"] = result.segmentation.finite_points;
-  json["segmented"] = result.segmentation.segmented_points;
-  json["support_plane"] = support_plane_json(result.segmentation.support_plane);
-  json["voxels"] = result.segmentation.voxels;
-  const Resolution& resolution = result.segmentation.resolution;
-  json["resolution"] = {{"voxel", resolution.voxel},
-                        {"seed", resolution.seed},
-                        {"reason", name(resolution.reason)},
-                        {"noise_depth", resolution.noise_depth ? Json(*resolution.noise_depth) : Json()}};
-  json["supervoxels"] = result.supervoxels;
-  json["segments"] = result.segmentation.segments;
-  json["segment_points"] = segment_sizes(result.segmentation);
-  if (summary.with_segments) {
-    Json& statistics = json["segment_statistics"] = Json::array();
-    for (const SegmentStatistics& segment : result.segmentation.statistics) {
-      statistics.push_back(segment_json(statistics.size() + 1, segment));
-    }
+  return text::to_json(summary.result, {.server = summary.server,
+                                        .timings = summary.timings,
+                                        .with_segments = summary.with_segments,
+                                        .prompts = summary.prompts});
+}
+
+std::string selection_text(const PromptedSelection& picked) {
+  std::string text;
+  if (picked.statistics) {
+    const SegmentStatistics& segment = *picked.statistics;
+    const Eigen::Vector3d size = 2 * segment.box.half_extents;
+    const std::size_t nodes = picked.selection.smallest.size();
+    text = fmt::format("picked {} points in {} node{}, {:.3g} x {:.3g} x {:.3g} at ({:.3f}, {:.3f}, {:.3f})\n",
+                       segment.points, nodes, nodes == 1 ? "" : "s", size.x(), size.y(), size.z(), segment.centroid.x(),
+                       segment.centroid.y(), segment.centroid.z());
   }
-  json["method"] = name(result.method);
-  json["threshold"] = optional_json(result.segmentation.threshold);
-  json["regions"] = optional_json(result.regions);
-  json["lambda"] = result.segmentation.lambda;
-  json["view"] = view_text(result.view);
-  json["view_rule"] = result.view_rule;
-  json["placement"] = {{"scale", vector_json(result.placement.scale)},
-                       {"offset", vector_json(result.placement.offset)}};
-  json["warnings"] = warnings_json(result.warnings);
-  json["options_hash"] = result.options_hash;
-  json["server"] = text_or_null(summary.server);
-  json["version"] = result.server_version;
-  Json& timings = json["timings_ms"] = Json::object();
-  for (const Timing& timing : summary.timings) timings[timing.name] = timing.ms;
-  return json;
+  return text + fmt::format("choice {} of {}, stable from threshold {:.3g} to {:.3g}\n", picked.candidate + 1,
+                            picked.selection.candidates(), picked.thresholds.from, picked.thresholds.to);
 }
 
 std::string to_text(const Summary& summary) {
@@ -187,6 +126,7 @@ std::string to_text(const Summary& summary) {
   text += fmt::format("{}, {}, {}: {} supervoxels, {} segment{} ({})\n", name(result.method), cut_text(result),
                       resolution_text(segmentation.resolution), result.supervoxels, segmentation.segments,
                       segmentation.segments == 1 ? "" : "s", sizes_text(segmentation));
+  if (result.selection) text += selection_text(*result.selection);
   text += timings_text(summary) + "\n";
   for (const codec::Warning& warning : result.warnings) text += fmt::format("warning: {}\n", warning.message);
   return text;

@@ -1,48 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "nlohmann/json_fwd.hpp"
+#include "proto/text/result_json.hpp"
 #include "segserve/client/client.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
-#include "segserve/codec/warning.hpp"
 
 namespace segserve::segctl {
 
-/// A named time in milliseconds.
-struct Timing {
-  std::string name;
-  double ms = 0;
-};
+using text::stage_timings;
+using text::Timing;
+using text::warnings_json;
 
 /// The facts that a command tells about a segmented cloud.
 struct Summary {
   const client::Result& result;
-  std::string input;            ///< For people: where the points came from.
-  std::string server;           ///< Its address; empty if no server took part.
-  std::vector<Timing> timings;  ///< In the order in which they are told.
-  bool with_segments = false;   ///< Whether the JSON tells the statistics of the segments.
+  std::string input;                              ///< For people: where the points came from.
+  std::string server;                             ///< Its address; empty if no server took part.
+  std::vector<Timing> timings;                    ///< In the order in which they are told.
+  bool with_segments = false;                     ///< Whether the JSON tells the statistics of the segments.
+  std::optional<Prompts> prompts = std::nullopt;  ///< If the result has a selection.
 };
 
 /// Sets what only the reader of a file knows and a server, which got the points, does not: why the cloud has its view,
 /// and what of the file was not used.
 void take_file_facts(const codec::LabeledCloud& file, client::Result& result);
 
-/// An array of objects with `reason` and `message`.
-nlohmann::ordered_json warnings_json(const std::vector<codec::Warning>& warnings);
-
-/// The times that the server, or the local run, measured. The last one is the total.
-std::vector<Timing> stage_timings(const client::Result& result);
-
-/// An object with at least points, finite, segmented, support_plane, supervoxels, segments, method, threshold, warnings
-/// and timings_ms. support_plane is null unless its removal was asked for, and has 0 points if none was found;
-/// threshold is null after a cut at a number of regions. If asked for, segment_statistics is an array of objects,
-/// largest segment first.
+/// See text::to_json.
 nlohmann::ordered_json to_json(const Summary& summary);
+
+/// Describes the segment that prompts have picked, in two lines for people.
+std::string selection_text(const PromptedSelection& picked);
 
 /// A few lines for people.
 std::string to_text(const Summary& summary);

@@ -1,19 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "client/segctl/camera_rig.hpp"
 #include "client/segctl/command.hpp"
 #include "client/segctl/json_flag.hpp"
+#include "client/segctl/output_folder.hpp"
+#include "client/segctl/progress_bar.hpp"
 #include "client/segctl/rgbd_output.hpp"
 #include "client/segctl/scene_output.hpp"
+#include "client/segctl/sequence.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "command_line/not_negative.hpp"
 #include "core/base/status_macros.hpp"
+#include "core/lab/synth/moving_tabletop.hpp"
 #include "core/lab/synth/scene.hpp"
+#include "core/lab/synth/table_rig.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 
@@ -35,15 +44,17 @@ const std::map<std::string, synth::Sensor>& sensors() {
 
 HelpText help() {
   return {
-      .common = {"--seed", "--objects", "--noise", "--sensor", "--width", "--height", "--room-view", "--fused",
-                 "--points", "--lidar", "--street", "--depth", "--rgb", "--output", "--picture", "--plain-picture",
-                 "--json"},
+      .common = {"--seed",  "--objects", "--noise",  "--sensor",  "--width",         "--height", "--room-view",
+                 "--fused", "--points",  "--lidar",  "--moving",  "--rate",          "--frames", "--street",
+                 "--depth", "--rgb",     "--output", "--picture", "--plain-picture", "--json"},
       .examples = R"(segctl synth -o table.pcd --plain-picture table.png
 segctl synth --seed 7 --objects 12 --noise 0 -o table.ply --picture ground_truth.png
 segctl synth --depth depth.png --rgb color.jpg
 segctl synth --room-view --sensor stereo -o far.pcd
 segctl synth --fused --points 1000000 -o room.pcd
-segctl synth --lidar 64 --street -o street.pcd)",
+segctl synth --lidar 64 --street -o street.pcd
+segctl synth --rig rig --cameras 3; segctl segment --cameras rig/cameras.json --out-dir labeled
+segctl synth --moving moving --rate 10 --frames 100; segctl segment moving --track --json tracks.jsonl)",
       .details =
           R"(The same flags give the same bytes on every machine. Ground truth is the field "label": 0 for no point and for points
 that lie on no surface, 1 to 9 for table, floor, ground, walls and facades, 20, 30, 40 and so on for objects. Images
@@ -56,6 +67,10 @@ struct SynthArguments {
   synth::RoomViewOptions room_view;
   synth::RoomOptions room;
   synth::LidarOptions lidar;
+  synth::MovingOptions moving;
+  std::string moving_folder;
+  std::string rig_folder;
+  std::uint32_t cameras = 2;
   std::uint64_t seed = 1;
   double noise = 1;
   std::optional<std::uint32_t> objects;
@@ -76,6 +91,8 @@ struct SynthArguments {
 
  private:
   void add_scene_flags(CLI::App& app);
+  void add_moving_flags(CLI::App& app);
+  void add_rig_flags(CLI::App& app);
 };
 
 /// The flags of every scene, and those that choose its kind.
@@ -98,7 +115,40 @@ void SynthArguments::add_scene_flags(CLI::App& app) {
       ->group("Scene");
 }
 
+void SynthArguments::add_moving_flags(CLI::App& app) {
+  const std::string group = "Over time";
+  CLI::Option* folder =
+      app.add_option("--moving", moving_folder,
+                     "write the frames of a table over time to DIR/frame_0000.pcd and so on, and when "
+                     "and from where they were taken to DIR/sequence.json")
+          ->type_name("DIR")
+          ->group(group);
+  const auto option = [&](const char* flag, auto& value, const char* text) {
+    app.add_option(flag, value, text)->needs(folder)->capture_default_str()->group(group);
+  };
+  option("--rate", moving.rate, "frames a second, 0.1 to 120");
+  option("--frames", moving.frames, "how many frames, 1 to 100000");
+  option("--camera-motion", moving.camera_motion, "factor on the motion of the camera, 0 to 5; 1: about 0.2 m/s");
+  option("--moving-objects", moving.moving, "how many objects slide over the table, 0 to 40");
+  option("--speed", moving.speed, "highest speed of these objects, m/s, 0 to 2");
+}
+
+void SynthArguments::add_rig_flags(CLI::App& app) {
+  const std::string group = "Several cameras";
+  CLI::Option* folder = app.add_option("--rig", rig_folder,
+                                       "write what several cameras around a table see to DIR/camera_0.pcd and so on, "
+                                       "and where they stand to DIR/cameras.json")
+                            ->type_name("DIR")
+                            ->group(group);
+  app.add_option("--cameras", cameras, "how many cameras, at equal angles around the table, 1 to 16")
+      ->needs(folder)
+      ->capture_default_str()
+      ->group(group);
+}
+
 void SynthArguments::add_to(CLI::App& app) {
+  add_moving_flags(app);
+  add_rig_flags(app);
   const std::string table_group = "Table seen by a camera";
   const std::string camera_group = "Camera";
   const std::string room_group = "Rooms";
@@ -158,6 +208,7 @@ void SynthArguments::add_to(CLI::App& app) {
   table_option("--clutter", table.clutter, "0: objects spread over the table, 1: crowded");
   table_option("--distance", table.distance, "factor on the usual distance of the camera, 0.5 to 3");
   of_table(app.add_flag("--hollow", table.hollow, "only bowls, cups, open boxes, plates, cables and their like"));
+  of_table(app.add_flag("--compact", table.compact, "only boxes, books, cans, bottles and their like"));
   of_table(app.add_flag("--all-finite", table.all_finite, "a wall behind the table: every pixel is a point"));
   scene_output.add_to(app);
   json.add_to(app, "write what the scene holds as one JSON object");
@@ -210,6 +261,67 @@ absl::StatusOr<synth::SyntheticScene> make_scene(const SynthArguments& arguments
   return synth::make_tabletop(with_camera(arguments, arguments.table));
 }
 
+/// Writes a file of its own.
+absl::Status write_file(const std::string& folder, const std::string& name, std::string bytes) {
+  const std::string path = (std::filesystem::path(folder) / name).string();
+  StagedOutput output;
+  RETURN_IF_ERROR(output.announce(path));
+  output.add(path, std::move(bytes));
+  return output.commit();
+}
+
+/// Tells what a folder has got.
+absl::Status tell(const SynthArguments& arguments, const Json& json, const std::string& text) {
+  StagedOutput output;
+  RETURN_IF_ERROR(arguments.json.announce(output));
+  arguments.json.add(output, json);
+  if (!arguments.quiet && !output.uses_stdout()) output.add("-", text);
+  return output.commit();
+}
+
+absl::Status write_rig(const SynthArguments& arguments) {
+  ASSIGN_OR_RETURN(const auto views,
+                   synth::make_tabletop_rig(with_camera(arguments, arguments.table), arguments.cameras));
+  RETURN_IF_ERROR(make_folder(arguments.rig_folder));
+  std::vector<RigCamera> cameras;
+  std::set<std::uint32_t> objects;
+  for (const synth::RigView& view : views) {
+    cameras.push_back({fmt::format("camera_{}.pcd", cameras.size()), view.pose});
+    codec::LabeledCloud content;
+    content.cloud = view.scene.cloud;
+    RETURN_IF_ERROR(write_file(arguments.rig_folder, cameras.back().file,
+                               arguments.scene_output.encode_pcd(content, view.scene.label)));
+    for (const std::uint32_t label : view.scene.label) {
+      if (label >= kFirstObjectLabel) objects.insert(label);
+    }
+  }
+  RETURN_IF_ERROR(write_file(arguments.rig_folder, kRigFile, rig_json(cameras)));
+  return tell(arguments, Json{{"cameras", cameras.size()}, {"objects", objects.size()}, {"seed", arguments.seed}},
+              fmt::format("{}: {} cameras, {} objects\n", arguments.rig_folder, cameras.size(), objects.size()));
+}
+
+/// Writes frame by frame, because a long sequence does not fit into memory.
+absl::Status write_moving(const SynthArguments& arguments) {
+  synth::MovingOptions options = arguments.moving;
+  options.scene = with_camera(arguments, arguments.table);
+  ASSIGN_OR_RETURN(const auto scene, synth::MovingTabletop::make(options));
+  RETURN_IF_ERROR(make_folder(arguments.moving_folder));
+  const ProgressBar bar("synth");
+  std::vector<SequenceFrame> frames;
+  for (std::uint32_t i = 0; i < scene.frames(); ++i) {
+    const synth::MovingFrame frame = scene.frame(i);
+    frames.push_back({fmt::format("frame_{:04}.pcd", i), frame.time, frame.pose});
+    codec::LabeledCloud content;
+    content.cloud = frame.scene.cloud;
+    RETURN_IF_ERROR(write_file(arguments.moving_folder, frames.back().file,
+                               arguments.scene_output.encode_pcd(content, frame.scene.label)));
+    bar.show(i + 1, scene.frames());
+  }
+  RETURN_IF_ERROR(write_file(arguments.moving_folder, kSequenceFile, sequence_json(frames)));
+  return tell(arguments, Json{{"frames", frames.size()}, {"rate", options.rate}, {"moving", scene.moving()}},
+              fmt::format("{}: {} frames, {} objects move\n", arguments.moving_folder, frames.size(), scene.moving()));
+}
+
 std::size_t count_finite(const CloudView& cloud) {
   std::size_t finite = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) finite += is_finite(cloud.x[i], cloud.y[i], cloud.z[i]) ? 1U : 0U;
@@ -255,6 +367,20 @@ std::string to_text(const SynthArguments& arguments, const synth::SyntheticScene
 }
 
 absl::Status run(const SynthArguments& arguments) {
+  const bool is_moving = !arguments.moving_folder.empty();
+  if (is_moving || !arguments.rig_folder.empty()) {
+    if (is_moving && !arguments.rig_folder.empty()) {
+      return absl::InvalidArgumentError("--moving and --rig exclude each other");
+    }
+    if (arguments.scene_output.wanted() || arguments.rgbd_output.wanted() || arguments.fused || arguments.rings ||
+        arguments.sees_room) {
+      return absl::InvalidArgumentError(
+          fmt::format("{} is for tables, and writes its own files: not together with -o, pictures, images, "
+                      "--room-view, --fused and --lidar",
+                      is_moving ? "--moving" : "--rig"));
+    }
+    return is_moving ? write_moving(arguments) : write_rig(arguments);
+  }
   if (!arguments.scene_output.wanted() && !arguments.rgbd_output.wanted()) {
     return absl::InvalidArgumentError("-o, --depth, --picture or --plain-picture is needed: what shall be written?");
   }

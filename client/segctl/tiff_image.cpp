@@ -85,7 +85,7 @@ absl::Status library_fault(const Memory& memory) {
   return fault(memory.error[0] != '\0' ? memory.error.data() : "it cannot be read");
 }
 
-/// What the file says of its pixels.
+/// The layout of the pixels in the file.
 struct Layout {
   std::uint32_t width = 0;
   std::uint32_t height = 0;

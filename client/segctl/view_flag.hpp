@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
@@ -12,8 +11,5 @@ namespace segserve::segctl {
 /// Reads "camera", "world" or "world:X,Y,Z", where X, Y, Z is the sensor's position in the frame of the cloud, in
 /// meters. INVALID_ARGUMENT for any other text.
 absl::StatusOr<View> parse_view(std::string_view text);
-
-/// The text that parse_view reads as this view.
-std::string view_text(const View& view);
 
 }  // namespace segserve::segctl

@@ -17,7 +17,7 @@ namespace {
 /// Bytes that are decompressed between two looks at the stop token.
 constexpr std::size_t kPart = std::size_t{1} << 20U;
 
-/// What a step of a library did.
+/// The outcome of one step of a library.
 struct Step {
   std::size_t consumed = 0;
   std::size_t produced = 0;

@@ -11,7 +11,7 @@
 // The compressions of chunks in recordings. All bytes are untrusted.
 namespace segserve::recording {
 
-/// What became of compressed bytes.
+/// The outcome of decompression.
 struct Decompressed {
   std::string bytes;
   bool complete = false;  ///< false: the input ends early, or is damaged behind what `bytes` came from

@@ -51,7 +51,7 @@ struct BagConnection {
 
 /// Nothing if a field is missing, or the connection has a number above 65,534.
 std::optional<BagConnection> parse_bag_connection(const BagRecord& record);
-/// Without a sequence. Nothing as above.
+/// The message has no sequence number. Returns nothing in the cases above.
 std::optional<Message> parse_bag_message(const BagRecord& record);
 
 }  // namespace segserve::recording

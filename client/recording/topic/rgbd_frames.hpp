@@ -42,7 +42,7 @@ class ImagePairing {
 
   void add_depth(KeptMessage depth) { waiting_.push_back(std::move(depth)); }
   void add_color(KeptMessage color);
-  /// No more images will come.
+  /// Tells that no more images will come.
   void finish() { finished_ = true; }
   /// The next pair, in the order of the depth images, if it is known.
   std::optional<ImagePair> take();

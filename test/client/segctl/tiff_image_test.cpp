@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// What a TIFF file says of its pixels, and how it stores them.
+/// The kind of pixels in a TIFF file, and the way in which they are stored.
 struct Kind {
   std::uint16_t channels = 1;
   std::uint16_t bits = 16;

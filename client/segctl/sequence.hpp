@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "segserve/tracking.hpp"
+
+namespace segserve::segctl {
+
+/// A folder of clouds, one after the other in time. Its file sequence.json tells when each of them was captured, and
+/// from where:
+///
+///     {"frames": [{"file": "frame_0000.pcd", "time": 0.0, "rotation": [1, 0, 0, 0, 1, 0, 0, 0, 1],
+///                  "translation": [0, 0, 0]}]}
+///
+/// The rotation, row by row, and the translation, meters, lead from the frame of the cloud to one that is fixed to the
+/// world; both may be left out.
+struct SequenceFrame {
+  std::string file;  ///< its name in the folder
+  double time = 0;   ///< seconds
+  std::optional<RigidTransform> pose;
+};
+
+inline constexpr const char* kSequenceFile = "sequence.json";
+
+std::string sequence_json(const std::vector<SequenceFrame>& frames);
+
+/// The frames of a folder. Without sequence.json they are its clouds in the order of their names, at `rate` frames a
+/// second. INVALID_ARGUMENT if sequence.json is wrong, or there is no cloud; NOT_FOUND if there is no such folder.
+absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& folder, double rate);
+
+}  // namespace segserve::segctl
