@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=bash
-# What our scripts share; they run in the root of the repository.
+# Functions that our scripts share; the scripts run in the root of the repository.
 
 # Everything that is worth keeping between runs and clones: compiled objects, the proto linter, other systems' libraries.
 cache_dir="${XDG_CACHE_HOME:-$HOME/.cache}/segserve"
@@ -55,11 +55,11 @@ with_progress() {
   return $result
 }
 
-# start_server SEGSERVE FOLDER: starts the binary on a free loopback port, its log in FOLDER/server.log; sets server_pid and
-# server_address once it serves.
+# start_server SEGSERVE FOLDER [FLAG..]: starts the binary on a free loopback port, its log in FOLDER/server.log; sets server_pid
+# and server_address once it serves.
 start_server() {
   rm -f "$2/port"
-  "$1" --listen 127.0.0.1:0 --port-file "$2/port" > "$2/server.log" 2>&1 < /dev/null &
+  "$1" --listen 127.0.0.1:0 --port-file "$2/port" "${@:3}" > "$2/server.log" 2>&1 < /dev/null &
   server_pid=$!
   local tries
   for ((tries = 0; tries < 100; tries++)); do

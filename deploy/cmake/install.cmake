@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Says what `cmake --install` puts where, so that find_package(segserve) works. Each component of the package has an export set.
+# Says what `cmake --install` puts where, so that find_package(segserve) works. Each component of that package has an export set.
+# The components of the installation become Debian packages: server is segserve, segctl is segctl, dev is libsegserve-dev.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME dev)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/segserve)
 
 install(TARGETS segserve_core segserve_codec EXPORT segserveCoreTargets)
@@ -13,17 +15,23 @@ if(SEGSERVE_BUILD_PCL)
 endif()
 
 if(SEGSERVE_BUILD_SERVICE)
-  install(TARGETS segserve segctl)
+  install(TARGETS segserve COMPONENT server)
+  install(TARGETS segctl COMPONENT segctl)
   if(TARGET segctl_lccp)
-    install(TARGETS segctl_lccp LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/segserve)
+    install(TARGETS segctl_lccp LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/segserve COMPONENT segctl)
   endif()
-  install(TARGETS segserve_proto segserve_wire segserve_health segserve_recording segserve_client EXPORT segserveClientTargets)
+  install(TARGETS segserve_proto segserve_wire segserve_health segserve_recording segserve_tls segserve_client EXPORT segserveClientTargets)
   install(DIRECTORY client/include/segserve proto/include/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
   install(DIRECTORY ${PROJECT_BINARY_DIR}/proto/generated/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
           FILES_MATCHING PATTERN "*.pb.h")
   install(DIRECTORY proto/segserve proto/google DESTINATION ${CMAKE_INSTALL_DATADIR}/segserve/proto
           FILES_MATCHING PATTERN "*.proto")
   install(EXPORT segserveClientTargets NAMESPACE segserve:: DESTINATION ${package_dir})
+  if(SEGSERVE_BUILD_PCL)
+    install(TARGETS segserve_pcl_client EXPORT segservePclClientTargets)
+    install(DIRECTORY client/pcl/include/segserve DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.hpp")
+    install(EXPORT segservePclClientTargets NAMESPACE segserve:: DESTINATION ${package_dir})
+  endif()
 endif()
 
 configure_package_config_file(deploy/cmake/segserveConfig.cmake.in ${PROJECT_BINARY_DIR}/segserveConfig.cmake
