@@ -7,7 +7,8 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = ROOT / "build" / "lint"
-GENERATED_HEADERS = ["proto/generated/segserve/v1/segmentation_service.grpc.pb.h", "client/health/grpc/health/v1/health.grpc.pb.h"]
+GENERATED_HEADERS = ["proto/generated/segserve/v1/segmentation_service.grpc.pb.h", "proto/health/grpc/health/v1/health.grpc.pb.h",
+                     "proto/reflection/grpc/reflection/v1/reflection.grpc.pb.h"]
 
 
 def load():

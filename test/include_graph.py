@@ -20,13 +20,13 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # The steps of the method in the order in which data flows: each may include itself and those before it.
 STEPS = ["core/base", "core/simd", "core/math", "core/cloud", "core/options", "core/voxels", "core/scale", "core/normals", "core/support_plane",
-         "core/supervoxels", "core/region_graph", "core/weights", "core/merging", "core/labels", "core/statistics", "core/pipeline"]
+         "core/supervoxels", "core/region_graph", "core/weights", "core/merging", "core/selection", "core/labels", "core/statistics", "core/pipeline", "core/tracking"]
 PUBLIC_CORE = ["core/include"]
 CODEC = [*PUBLIC_CORE, "core/base", "core/codec"]
 LAB = [*PUBLIC_CORE, "core/base", "core/math", "core/codec", "core/lab"]
 WIRE = [*PUBLIC_CORE, "core/base", "core/codec", "proto"]
 RECORDING = [*PUBLIC_CORE, "core/base", "core/codec", "client/include", "client/recording"]
-CLIENT = [*PUBLIC_CORE, "core/base", "proto", "client/include", "client/calls", "client/stream"]
+CLIENT = [*PUBLIC_CORE, "core/base", "proto", "client/include", "client/fleet", "client/tls", "client/calls", "client/stream"]
 
 # Folder: what it may include besides itself. The longest folder that a file lies in counts.
 LAYERS = {
@@ -39,18 +39,27 @@ LAYERS = {
     "proto/include": PUBLIC_CORE,
     "proto": [*WIRE, "proto/include"],
     "command_line": [],
-    "server": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "command_line"],
+    "tls": [*PUBLIC_CORE, "core/base"],
+    "credentials": [*PUBLIC_CORE, "core/base"],
+    "server": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "command_line", "credentials", "tls", "server/http"],
+    "server/http": [*PUBLIC_CORE, "core/base", "core/lab", "proto", "proto/include", "client/page", "credentials", "tls", "server"],
+    "client/page": [],
     "client/include": [*PUBLIC_CORE, "proto/include", "proto/generated"],
+    "client/fleet": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "client/include"],
+    "client/tls": [*PUBLIC_CORE, "core/base", "client/include", "tls"],
     "client/calls": [*CLIENT, "proto/include"],
     "client/stream": [*CLIENT, "proto/include"],
     "client/recording": RECORDING,
     "client/load_test": [*CLIENT, "proto/include"],
-    "client/segctl": [*CLIENT, "proto/include", "client/load_test", "client/recording", "core/lab", "core/pcl_adapter/peer", "command_line"],
+    "client/bench_report": [*PUBLIC_CORE, "core/base"],
+    "client/ros": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "client/include", "client/recording"],
+    "client/pcl": [*PUBLIC_CORE, "proto/include", "client/include", "core/pcl_adapter"],
+    "client/segctl": [*CLIENT, "proto/include", "client/bench_report", "client/load_test", "client/page", "client/recording", "core/lab", "core/pcl_adapter/peer", "command_line", "credentials"],
     "client": [*CLIENT, "proto/include", "core/lab"],  # examples
 }
-GENERATED = re.compile(r"^(segserve/v\d|google/rpc|grpc/health)/.*\.pb\.h$|^server/version\.hpp$")
+GENERATED = re.compile(r"^(segserve/v\d|google/rpc|grpc/health|grpc/reflection)/.*\.pb\.h$|^server/(version|build_info)\.hpp$")
 NETWORK = re.compile(r"^(grpc|google/|segserve/v\d/)")
-PUBLIC_ROOTS = ["core/include", "client/include", "proto/include", "core/pcl_adapter/include"]
+PUBLIC_ROOTS = ["core/include", "client/include", "proto/include", "core/pcl_adapter/include", "client/pcl/include"]
 INCLUDE = re.compile(r'^\s*#\s*include\s+["<]([^">]+)[">]', re.MULTILINE)
 
 
@@ -95,7 +104,7 @@ def faults(sources):
                     yield f"{path} includes {include}: the core knows neither gRPC nor protobuf"
                 elif core and include.startswith("pcl/") and not layer.startswith("core/pcl_adapter"):
                     yield f"{path} includes {include}: PCL belongs into core/pcl_adapter alone"
-                elif re.match(r"^(core|server|client|proto|segserve|test)/", include) and not GENERATED.match(include):
+                elif re.match(r"^(core|server|client|credentials|proto|segserve|test)/", include) and not GENERATED.match(include):
                     yield f"{path} includes {include}, which is no header of ours"
                 elif "/simd/" in path and include.startswith("Eigen/"):
                     yield f"{path} includes {include}: units compiled for AVX2 must not share Eigen's inline functions"

@@ -10,42 +10,14 @@ array is verified. Server and clients share the machine's cores.
 """
 import argparse
 import json
-import os
 import pathlib
 import subprocess
 import sys
-import tempfile
-import time
+
+from server_process import Server
 
 CLIENTS = (1, 2, 4, 8)
 CODECS = ("planar", "planar-zstd", "strided", "strided-zstd", "quantised", "pcd", "rgbd")
-
-
-class Server:
-    """A segserve on a free loopback port, which runs until the end of the `with` block."""
-
-    def __init__(self, binary):
-        self.folder = tempfile.TemporaryDirectory()
-        self.port_file = pathlib.Path(self.folder.name) / "port"
-        self.process = subprocess.Popen(
-            [binary, "--listen", "127.0.0.1:0", "--port-file", self.port_file, "--log-level", "error"])
-
-    def __enter__(self):
-        while not (self.port_file.exists() and self.port_file.read_text().strip()):
-            if self.process.poll() is not None:
-                sys.exit("segserve did not start")
-            time.sleep(0.05)
-        self.address = f"127.0.0.1:{self.port_file.read_text().strip()}"
-        return self
-
-    def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait(timeout=60)
-        self.folder.cleanup()
-
-    def cpu_seconds(self):
-        fields = pathlib.Path(f"/proc/{self.process.pid}/stat").read_text().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def measure(arguments, server, clients, codec):

@@ -5,6 +5,7 @@
 //    The overhead is the time from handing over the cloud until its labels are there, minus the stages of the
 //    segmentation.
 // 2. The throughput of two workers is divided by that of one, without transport.
+// 3. A frame with a result is counted by the metrics, by one thread and by two at once.
 #include <malloc.h>
 
 #include <algorithm>
@@ -12,11 +13,13 @@
 #include <cstdlib>
 #include <memory>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "fmt/format.h"
 #include "segserve/client/client.hpp"
 #include "server/frames/segmentation_backend.hpp"
+#include "server/metrics/service_metrics.hpp"
 #include "server/scheduling/worker_pool.hpp"
 #include "server/server.hpp"
 #include "test/bench/frames.hpp"
@@ -102,6 +105,38 @@ void measure_workers(int count) {
   fmt::print("two workers, no transport: {:.1f} frames/s, {:.2f}x the {:.1f} of one\n", two, median(ratios), one);
 }
 
+/// A frame that came through all stages.
+server::FrameRecord counted_frame() {
+  server::FrameRecord frame;
+  frame.caller = std::make_shared<const server::Caller>();
+  frame.payload_kind = v1::PAYLOAD_KIND_PLANAR;
+  frame.outcome = v1::OUTCOME_KIND_RESULT;
+  frame.arrival = Clock::now();
+  frame.uploaded = frame.queued = frame.work.started = frame.work.decoded = frame.arrival;
+  frame.work.segmented = frame.work.encoded = frame.decided = frame.arrival + std::chrono::milliseconds(17);
+  frame.delivered = frame.decided;
+  return frame;
+}
+
+void measure_metrics() {
+  constexpr int kFrames = 500'000;
+  const server::ServiceMetrics metrics;
+  const server::FrameRecord frame = counted_frame();
+  for (const std::size_t threads : {1U, 2U}) {
+    const Clock::time_point begin = Clock::now();
+    {
+      std::vector<std::jthread> workers;
+      for (std::size_t i = 0; i < threads; ++i) {
+        workers.emplace_back([&] {
+          for (int count = 0; count < kFrames; ++count) metrics.observer()->on_frame(frame);
+        });
+      }
+    }
+    fmt::print("metrics, {} thread{}: {:.2f} us a frame\n", threads, threads == 1 ? "" : "s",
+               ms_since(begin) * 1000 / kFrames);
+  }
+}
+
 }  // namespace
 }  // namespace segserve::bench
 
@@ -113,4 +148,5 @@ int main(int argc, char** argv) {
   const int count = argc > 1 ? std::max(1, std::atoi(argv[1])) : 50;
   segserve::bench::measure_overhead(count);
   segserve::bench::measure_workers(count);
+  segserve::bench::measure_metrics();
 }

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs the real `segserve` and `segctl`, as a user would, and reads what they write."""
+import contextlib
 import json
 import os
 import pathlib
@@ -20,21 +21,25 @@ SUCCESS, FAILED, BAD_INPUT = 0, 1, 2
 
 
 def segctl(*arguments, stdin=b"", environment=None):
-    """Runs segctl to its end; its output is bytes. It does not see the SEGCTL_SERVER of the caller."""
-    clean = {name: value for name, value in os.environ.items() if name != "SEGCTL_SERVER"}
+    """Runs segctl to its end; its output is bytes. It does not see the variables of the caller that begin with SEGCTL_."""
+    clean = {name: value for name, value in os.environ.items() if not name.startswith("SEGCTL_")}
     return subprocess.run([SEGCTL, *map(str, arguments)], input=stdin, capture_output=True, timeout=120,
                           env=clean | (environment or {}))
 
 
 class Server:
-    """A server process on a free loopback port."""
+    """A server process, on a free loopback port unless `listen` says otherwise."""
 
-    def __init__(self, folder, *flags, before=None):
-        """`before` is called in the new process before it becomes the server, for example to set limits."""
+    def __init__(self, folder, *flags, before=None, listen="127.0.0.1:0", log=None, environment=None):
+        """`before` is called in the new process before it becomes the server, for example to set limits. `log` is a
+        path, or a file descriptor, that gets the log with all its lines; without it there are errors only. `environment`
+        adds variables."""
         port_file = pathlib.Path(folder) / f"port-{time.monotonic_ns()}"
-        self.process = subprocess.Popen(
-            [SEGSERVE, "--listen", "127.0.0.1:0", "--port-file", str(port_file), "--log-level", "error", *flags],
-            preexec_fn=before)
+        level = [] if "--log-level" in flags else ["--log-level", "error" if log is None else "debug"]
+        with contextlib.nullcontext() if log is None else open(log, "wb") as stderr:
+            self.process = subprocess.Popen(
+                [SEGSERVE, "--listen", listen, "--port-file", str(port_file), *level, *flags], preexec_fn=before,
+                stderr=stderr, env=os.environ | (environment or {}))
         deadline = time.monotonic() + 60
         while not (port_file.exists() and port_file.read_text().strip()):
             if self.process.poll() is not None or time.monotonic() > deadline:
@@ -58,13 +63,21 @@ class EndToEnd(unittest.TestCase):
     """One server and one folder for all tests of a class."""
 
     server_flags = ()
+    server_listen = "127.0.0.1:0"
 
     @classmethod
     def setUpClass(cls):
         cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="segserve-e2e-"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
-        cls.server = Server(cls.folder, *cls.server_flags)
+        cls.server = Server(cls.folder, *cls.server_flags, listen=cls.server_listen)
         cls.addClassCleanup(cls.server.close)
+
+    def wait_for(self, happened, seconds=30):
+        """Fails unless `happened` becomes true within so many seconds."""
+        deadline = time.monotonic() + seconds
+        while not happened():
+            self.assertLess(time.monotonic(), deadline, "it did not happen in time")
+            time.sleep(0.05)
 
     def path(self, name):
         return self.folder / f"{self.id()}-{name}"

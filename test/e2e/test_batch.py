@@ -107,12 +107,12 @@ class Batch(EndToEnd):
                 done = self.batch(where=where)
                 self.assertEqual(done.returncode, BAD_INPUT)
                 states = self.states(done)
-                self.assertEqual(states.pop("scene2.pcd"), "failed")
+                self.assertEqual((states.pop("scene2.pcd"), states.pop("broken.pcd")), ("failed", "failed"))
                 self.assertEqual(set(states.values()) - {"skipped"}, {"segmented"} if where is None else set())
                 errors = done.stderr.decode().splitlines()
-                self.assertEqual(len(errors), 2)
-                self.assertIn("scene2.pcd: ", errors[0])
-                self.assertEqual(errors[1], "segctl: 1 of 5 files failed")
+                self.assertEqual(len(errors), 3)
+                self.assertEqual(sorted(line.split("/")[-1].split(": ")[0] for line in errors[:2]), ["broken.pcd", "scene2.pcd"])
+                self.assertEqual(errors[2], "segctl: 2 of 6 files failed")
                 self.assertFalse((self.outputs / "scene2.pcd").exists())
 
     def test_an_error_of_one_cloud_comes_from_the_server_too(self):
@@ -181,7 +181,7 @@ class Batch(EndToEnd):
                                 ((self.outputs, "--out-dir", self.outputs), "no file of a cloud"),
                                 ((self.path("none"), "--out-dir", self.outputs), "there is no"),
                                 (("-", "--out-dir", self.outputs), "standard input"),
-                                ((scene, "--out-dir", self.outputs, "-o", "x.pcd"), "--out-dir excludes"),
+                                ((scene, "--out-dir", self.outputs, "-o", "x.pcd"), "--out-dir and --contact-sheet exclude"),
                                 ((scene, "--parallel", "2"), "--out-dir")):
             with self.subTest(said=said):
                 self.assertIn(said, self.run_badly(BAD_INPUT, "segment", *arguments))

@@ -2,12 +2,16 @@
 """segctl bench measures a real server, checks its labels, and judges by objectives."""
 import json
 import os
+import signal
 import subprocess
+import time
 import unittest
 
-from harness import BAD_INPUT, FAILED, EndToEnd, Server, segctl
+from harness import BAD_INPUT, FAILED, SEGCTL, EndToEnd, Server, segctl
 
 SMALL = ("--size", "160x120", "--scenes", "2", "--warm-up", "0.2")
+INTERRUPTED = 130
+SLACK = float(os.environ.get("FLEET_SLACK", "1"))  # what a sanitizer adds
 EXAMPLE_STREAM = os.environ["EXAMPLE_STREAM"]
 
 
@@ -23,8 +27,19 @@ class Bench(EndToEnd):
         self.assertEqual(told["frames"]["sent"], told["frames"]["results"])
         self.assertEqual((told["verified"], told["mismatches"]), (told["frames"]["results"], 0))
         self.assertEqual([o["met"] for o in told["objectives"]], [True, True])
+        self.assertEqual(told["results_of_server"], {self.server.address: told["frames"]["results"]})
         latency = told["latency_ms"]
-        self.assertTrue(0 < latency["p50"] <= latency["p90"] <= latency["p99"] <= latency["p99.9"] <= latency["max"])
+        self.assertTrue(0 < latency["p50"] <= latency["p90"] <= latency["p95"] <= latency["p99"] <= latency["p99.9"] <=
+                        latency["p99.99"] <= latency["max"])
+        self.assertEqual(sum(count for _, count in told["latency_histogram"]["buckets"]), told["frames"]["results"])
+        # A result at the very edge of the window may go to the interval beside.
+        self.assertAlmostEqual(sum(entry["results"] for entry in told["timeline"] if entry["t"] >= 0), told["frames"]["finished"] +
+                               sum(entry["results"] for entry in told["timeline"] if entry["t"] >= 2), delta=2)
+        self.assertIn("p99.99", told["too_few_samples_for"])
+        self.assertEqual(told["format"], "segserve-bench-1")
+        self.assertEqual(told["command"][1], "bench")
+        self.assertEqual(told["server_info"]["version"], told["client_build"]["version"])
+        self.assertAlmostEqual(told["window"]["measured_s"], 2, places=3)
         self.assertAlmostEqual(sum(ms for stage, ms in told["stages_ms"].items() if stage != "total"),
                                told["stages_ms"]["total"], places=6)
         self.assertGreater(told["bytes_up"] / told["frames"]["results"], 160 * 120 * 15)
@@ -40,6 +55,13 @@ class Bench(EndToEnd):
                 self.assertGreater(told["frames"]["sent"], 4)
                 if arrivals == "constant":
                     self.assertAlmostEqual(told["frames"]["sent"], 20, delta=1)
+
+    def test_a_robot_that_drops_old_frames_says_so(self):
+        done = self.run_well("bench", "--server", self.server.address, "--size", "320x240", "--scenes", "1", "--warm-up", "0",
+                             "--rate", "400", "--drop-oldest", "--in-flight", "1", "--duration", "1", "--encoded-beforehand", "--json", "-")
+        told = json.loads(done.stdout)
+        self.assertEqual(set(told["errors"]), {"DROPPED"})
+        self.assertEqual(told["errors"]["DROPPED"] + told["frames"]["results"], told["frames"]["sent"])
 
     def test_a_missed_objective_is_a_failure_and_the_figures_come_all_the_same(self):
         done = segctl(*self.bench("--duration", "0.5", "--objective", "fps>=1", "--objective", "p50<1us"))
@@ -61,8 +83,74 @@ class Bench(EndToEnd):
         told = json.loads(done.stdout)
         self.assertEqual(told["codec"], "planar, rgbd")
         self.assertEqual(len(told["results_of_client"]), 3)
-        self.assertEqual(sum(told["results_of_client"]), told["verified"])
-        self.assertEqual(told["mismatches"], 0)
+        self.assertEqual((told["verified"], told["mismatches"]), (told["frames"]["results"], 0))
+        self.assertEqual([row["codec"] for row in told["codecs"]], ["planar", "rgbd"])
+        for key in ("sent", "results"):
+            self.assertEqual(sum(row[key] for row in told["codecs"]), told["frames"][key])
+        planar, rgbd = told["codecs"]
+        self.assertGreater(planar["bytes_up_per_frame"], 2 * rgbd["bytes_up_per_frame"])
+        self.assertAlmostEqual(planar["frames_per_s"] + rgbd["frames_per_s"], told["frames_per_s"])
+
+    def test_a_run_with_failures_is_no_success(self):
+        server = Server(self.folder, "--max-points", "30000")
+        self.addCleanup(server.close)
+        small = self.synth("--width", "160", "--height", "120", name="small.pcd")
+        large = self.synth("--width", "320", "--height", "240", name="large.pcd")
+        flags = ("bench", "--server", server.address, "--input", small, small, large, "--duration", "0.5", "--warm-up", "0",
+                 "--json", "-")
+        done = segctl(*flags)
+        self.assertEqual(done.returncode, FAILED)
+        self.assertRegex(done.stderr.decode(), r"\d+ of \d+ frames failed .*LIMIT_EXCEEDED.*errors<=1%")
+        told = json.loads(done.stdout)
+        failed = told["frames"]["failed"]
+        self.assertGreater(failed, 0)
+        self.assertEqual(told["latency_histogram"]["failed"], failed)
+        self.assertIsNotNone(told["latency_ms"]["p50"])
+        self.assertIsNone(told["latency_ms"]["p90"], "it is that of a failed frame")
+        self.assertEqual(told["latency_beyond"], ["p90", "p95", "p99", "p99.9", "p99.99"])
+        self.assertIn("FAILURES", self.codes(told))
+        self.run_well(*flags, "--objective", "errors<=40%")
+        missed = segctl(*flags, "--objective", "errors<=40%", "--objective", "p99<60s")
+        self.assertEqual(missed.returncode, FAILED)
+        self.assertIn("missed: p99<60s (frames failed)", missed.stderr.decode())
+
+    def test_a_run_ends_when_it_says(self):
+        began = time.monotonic()
+        done = segctl("bench", "--server", self.server.address, "--scenes", "1", "--warm-up", "0", "--rate", "400", "--clients",
+                      "2", "--in-flight", "1", "--duration", "2", "--drain", "0.5", "--encoded-beforehand", "--json", "-")
+        self.assertLess(time.monotonic() - began, 6 * SLACK)
+        self.assertEqual(done.returncode, FAILED)
+        told = json.loads(done.stdout)
+        frames = told["frames"]
+        self.assertAlmostEqual(frames["sent"], 800, delta=2)
+        self.assertEqual(frames["failed"], frames["sent"] - frames["results"])
+        self.assertEqual(set(told["errors"]) - {"UNFINISHED", "NOT_SENT"}, set())
+        self.assertLess(told["window"]["drain_s"], 1)
+        self.assertIn("UNSTABLE", self.codes(told))
+        # The wait in the client is part of the latency, and not of the time since a frame was sent.
+        self.assertLess(self.mean(told["since_sent_histogram"]), self.mean(told["latency_histogram"]) / 2)
+
+    @staticmethod
+    def mean(histogram):
+        buckets = histogram["buckets"]
+        return sum(value * count for value, count in buckets) / sum(count for _, count in buckets)
+
+    @staticmethod
+    def codes(told):
+        return [finding["code"] for finding in told["findings"]]
+
+    def test_an_interrupted_run_tells_what_it_measured(self):
+        command = [SEGCTL, *self.bench("--duration", "600", "--json", "-")]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            time.sleep(2)
+            process.send_signal(signal.SIGINT)
+            output, errors = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, INTERRUPTED, errors)
+        told = json.loads(output)
+        self.assertGreater(told["frames"]["results"], 0)
+        self.assertEqual(told["errors"], {})
+        self.assertIn("INTERRUPTED", self.codes(told))
+        self.assertLess(told["window"]["measured_s"], 10 * SLACK)
 
     def test_files_are_frames_too(self):
         scene = self.synth("--width", "160", "--height", "120")
@@ -92,8 +180,9 @@ class Bench(EndToEnd):
     def test_wrong_usage(self):
         for flags, said in ((("--objective", "p99=5"), "p99<50ms"), (("--objective", "p42<5ms"), "p42"),
                             (("--size", "640"), "WIDTHxHEIGHT"), (("--arrivals", "poisson"), "--rate"),
-                            (("--verify", "--outputs", "tree"), "labels"), (("--clients", "0"), "--clients"), (("--seed", "-1"), "--seed: -1 is negative"),
+                            (("--verify", "--outputs", "tree"), "labels"), (("--drop-oldest",), "--rate"), (("--clients", "0"), "--clients"), (("--seed", "-1"), "--seed: -1 is negative"),
                             (("--codec", "none"), "--codec"), (("--codec", "planar,pcd", "--zstd"), "--zstd"),
+                            (("--codec", "planar,pcd,rgbd", "--clients", "2"), "3 codecs, but there are only 2 clients"),
                             (("--codec", "planar,pcd", "--error-bound", "1"), "--error-bound")):
             with self.subTest(flags=flags):
                 self.assertIn(said, self.run_badly(BAD_INPUT, "bench", *flags))

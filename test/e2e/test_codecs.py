@@ -137,7 +137,7 @@ class Images(EndToEnd):
         doubled = [self.colors[row // 2 * WIDTH + column // 2] for row in range(2 * HEIGHT) for column in range(2 * WIDTH)]
         self.rgb.write_bytes(png.rgb8(2 * WIDTH, 2 * HEIGHT, doubled))
         self.assertEqual(self.segment_images("--rgb", self.rgb, "--method", "color")[0], expected)
-        # The same pixels within a wider image, as its intrinsics say.
+        # This is the same image within a wider one, as its intrinsics say.
         margin = 40
         wide = [0 if not margin <= column < margin + WIDTH else self.colors[row * WIDTH + column - margin]
                 for row in range(HEIGHT) for column in range(WIDTH + 2 * margin)]

@@ -39,6 +39,13 @@ class Formats(EndToEnd):
         yield self.write_text("a.xyz", lambda p, c: "{} {} {} {} {} {}\n".format(*p, *c))
         yield self.write_text("a.csv", lambda p, c: "{},{},{},{},{},{}\n".format(*p, *c), "x,y,z,red,green,blue\n")
         yield self.write_text("a.pts", lambda p, c: "{} {} {} -100 {} {} {}\n".format(*p, *c), "800\n")
+        points, _ = two_boxes()
+        kitti = self.path("a.bin")
+        kitti.write_bytes(b"".join(struct.pack("<4f", *p, 0.25) for p in points))
+        yield kitti
+        sweep = self.path("sweep.pcd.bin")  # of nuScenes
+        sweep.write_bytes(b"".join(struct.pack("<5f", *p, 17, i % 32) for i, p in enumerate(points)))
+        yield sweep
         yield self.write_text("a.obj", lambda p, c: "v {} {} {} {} {} {}\n".format(*p, *(v / 255 for v in c)), "o boxes\n")
         packed = self.path("b.xyz.gz")
         packed.write_bytes(gzip.compress(self.path("a.xyz").read_bytes()))

@@ -67,8 +67,10 @@ class Attack(EndToEnd):
                 time.sleep(0.02)  # the server has closed the connection
         told = self.await_victim(victim)
         frames = told["frames"]
-        print(f"{self.id()}: victim {frames['results']} of {frames['sent']}, p99 {told['latency_ms']['p99']:.0f} ms, usual "
-              f"{self.usual['latency_ms']['p99']:.0f} ms; peak {self.peak() // MIB} MiB")
+        p99 = told["latency_ms"]["p99"]  # None: among the last percent are frames that failed
+        print(f"{self.id()}: victim {frames['results']} of {frames['sent']}, p99 "
+              f"{'never' if p99 is None else f'{p99:.0f} ms'}, usual {self.usual['latency_ms']['p99']:.0f} ms; "
+              f"peak {self.peak() // MIB} MiB")
         return told
 
     def peak(self):

@@ -49,6 +49,48 @@ class CommandLine(EndToEnd):
             with self.subTest(flags=flags):
                 self.assertIn(f"{flags[-1]}: -1 ", self.run_badly(BAD_INPUT, *flags, "-1"))
 
+    def test_no_output_takes_the_place_of_an_input(self):
+        scene = self.synth(*SMALL)
+        before = scene.read_bytes()
+        link, folder, rig = self.path("link.pcd"), self.path("folder"), self.path("rig")
+        link.symlink_to(scene)
+        folder.mkdir()
+        (folder / "a.pcd").hardlink_to(scene)
+        result = self.path("scene.segres")
+        self.run_well("segment", scene, "--local", "--result", result)
+        self.run_well("synth", *SMALL, "--rig", rig)
+        for flags in ((scene, "--picture", scene), (scene, "--dendrogram", link), (link, "--json", scene),
+                      (scene, "--result", scene), (folder, "--contact-sheet", folder / "a.pcd"),
+                      (folder, "--out-dir", self.path("out"), "--json", link),
+                      ("--cameras", rig / "cameras.json", "--picture", rig / "cameras.json"),
+                      ("--cameras", rig / "cameras.json", "-o", rig / "camera_0.pcd")):
+            with self.subTest(flags=flags):
+                self.assertIn("would be overwritten by an output", self.run_badly(BAD_INPUT, "segment", "--local", *flags))
+        for command in (("cut", result, "--threshold", "0.5", "--json", result),
+                        ("cut", result, "--threshold", "0.5", "--cloud", scene, "--picture", scene),
+                        ("pick", result, "--cloud", scene, "--include", "80,60", "--json", scene),
+                        ("info", scene, "--json", scene), ("stream", scene, "--json", link),
+                        ("eval", "--data", folder, "--json", folder / "a.pcd"),
+                        ("segment", folder, "--local", "--track", "--json", scene)):
+            with self.subTest(command=command):
+                self.assertIn("would be overwritten by an output", self.run_badly(BAD_INPUT, *command))
+        self.assertEqual(scene.read_bytes(), before)
+        self.run_well("segment", scene, "--local", "-o", scene)  # which holds the cloud and its labels
+        self.assertIn(b"label", scene.read_bytes())
+
+    def test_nan_is_no_number_of_a_range(self):
+        scene = self.synth(*SMALL)
+        for flags in (("stream", scene, "--rate", "nan"), ("stream", scene, "--speed", "nan"),
+                      ("stream", scene, "--duration", "nan"), ("bench", "--rate", "nan"), ("bench", "--duration", "nan"),
+                      ("segment", scene, "--local", "--track", "--rate", "nan", "--out-dir", self.path("tracked"))):
+            with self.subTest(flags=flags):
+                self.assertIn("nan", self.run_badly(BAD_INPUT, *flags))
+        self.refuse("--html-live 127.0.0.1:99999: it must be HOST:PORT, with a port up to 65535",
+                    "stream", scene, "--html-live", "127.0.0.1:99999")
+        self.refuse("--view-from needs --picture or --plain-picture", "segment", scene, "--local", "--view-from", "1,1,1")
+        self.refuse("--view-from 1e300,0,0: must be X,Y,Z, a position in meters such as 1.5,-2,1",
+                    "segment", scene, "--local", "--picture", "p.png", "--view-from", "1e300,0,0")
+
     def test_the_server_tells_all_faults_too(self):
         done = subprocess.run([SEGSERVE, "--treads", "3", "--workers", "many", "--queue", "-1"], capture_output=True,
                               timeout=60)
