@@ -39,6 +39,8 @@ namespace {
 // The transport needs bounds of its own, because a unary request is in memory before our code sees it.
 constexpr int kMaxStreamsPerConnection = 128;
 constexpr std::uint64_t kLeastTransportBytes = std::uint64_t{32} << 20U, kMostTransportBytes = std::uint64_t{1} << 30U;
+// With less memory than this, what clients send ahead would not fit beside the frames.
+constexpr std::uint64_t kLeastMemoryForWideWindows = std::uint64_t{1} << 30U;
 // The time that the remaining calls may take when the server closes.
 constexpr std::chrono::milliseconds kCloseTime{100};
 // Calls that are ended at the end of the grace period have this long to tell their clients.
@@ -132,8 +134,11 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   // A small compressed message could be huge. Payloads have compression of their own, whose results are bounded.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
-  // Clients on this machine need no more than the first window, and one that floods is then no burden for others.
-  if (address.is_loopback()) builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  // By its probes gRPC lets each connection send 4 MiB and more ahead, which far clients need. Clients on this machine are
+  // served as well by the first window of 64 KiB, and one that floods is then no burden for others.
+  if (address.is_loopback() || options_.memory < kLeastMemoryForWideWindows) {
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
+  }
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, wire::kFlowControlBytes);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // otherwise two servers could share a port without a word
   credentials_ = certificates_ ? tls_credentials(certificates_) : grpc::InsecureServerCredentials();
