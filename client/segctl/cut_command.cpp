@@ -21,7 +21,7 @@ namespace {
 
 HelpText help() {
   return {
-      .common = {"--threshold", "--regions", "--cloud", "--output", "--drop-unlabelled", "--split", "--picture",
+      .common = {"--threshold", "--regions", "--cloud", "--output", "--drop-unlabeled", "--split", "--picture",
                  "--dendrogram", "--segments", "--json"},
       .examples = R"(segctl segment scene.pcd --result scene.segres
 segctl cut scene.segres --threshold 0.25

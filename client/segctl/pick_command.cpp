@@ -28,7 +28,7 @@ HelpText help() {
       .common = {"--cloud", "--include", "--exclude", "--larger", "--smaller", "--output", "--json"},
       .examples = R"(segctl segment scene.pcd --result scene.segres
 segctl pick scene.segres --cloud scene.pcd --include 320,240 --json -
-segctl pick scene.segres --cloud scene.pcd --include 0.1,0,0.8 --exclude 0.1,0.2,0.9 -o object.ply --drop-unlabelled
+segctl pick scene.segres --cloud scene.pcd --include 0.1,0,0.8 --exclude 0.1,0.2,0.9 -o object.ply --drop-unlabeled
 segctl pick scene.segres --cloud scene.pcd --include 320,240 --larger 1 --picture object.png)",
       .details =
           R"(A place is a position X,Y,Z in the coordinates and unit of the cloud's file, or a pixel U,V (column and row) if

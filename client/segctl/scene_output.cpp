@@ -92,9 +92,10 @@ void SceneOutput::add_to(CLI::App& app) {
       ->type_name("NAME")
       ->capture_default_str()
       ->group("Output");
-  app.add_flag("--drop-unlabelled", drop_unlabelled_,
+  app.add_flag("--drop-unlabeled", drop_unlabeled_,
                "leave points with label 0 out of that file, which then has no rows and columns")
       ->group("Output");
+  app.add_flag("--drop-unlabelled", drop_unlabeled_)->group("");  // its name of version 0.1
   app.add_option("--picture", picture_path_, "write a picture of the labels: PNG; - is standard output")
       ->type_name("FILE")
       ->group("Output");
@@ -145,9 +146,9 @@ absl::Status SceneOutput::check_format() const {
   if (encoding_ == "ascii" && is_binary) {
     return absl::InvalidArgumentError(fmt::format("--encoding ascii: {} has no text form; .csv has", cloud_path_));
   }
-  if (drop_unlabelled_ && codec::has_labels_only(*format)) {
+  if (drop_unlabeled_ && codec::has_labels_only(*format)) {
     return absl::InvalidArgumentError(
-        fmt::format("--drop-unlabelled: {} needs a label for each point of the input", cloud_path_));
+        fmt::format("--drop-unlabeled: {} needs a label for each point of the input", cloud_path_));
   }
   return absl::OkStatus();
 }
@@ -156,9 +157,9 @@ absl::StatusOr<codec::EncodedFile> SceneOutput::encode(const codec::LabeledCloud
                                                        std::span<const std::uint32_t> labels,
                                                        codec::FileFormat format) const {
   codec::LabeledCloud kept;
-  if (drop_unlabelled_) kept = labeled_points(scene, labels);
+  if (drop_unlabeled_) kept = labeled_points(scene, labels);
   codec::FileContent content =
-      drop_unlabelled_ ? codec::content_of(kept, kept.label) : codec::content_of(scene, labels);
+      drop_unlabeled_ ? codec::content_of(kept, kept.label) : codec::content_of(scene, labels);
   std::vector<std::uint32_t> colors;
   if (color_ == "segment") {
     colors = segment_colors(content.label);
@@ -205,7 +206,7 @@ std::string SceneOutput::format_key() const {
   std::string key;
   if (encoding_ != "binary") key += " " + encoding_;
   if (color_ != "own") key += " colors of segments";
-  if (drop_unlabelled_) key += " without unlabeled points";
+  if (drop_unlabeled_) key += " without unlabeled points";
   return key;
 }
 

@@ -56,7 +56,7 @@ class SceneOutput {
   std::string cloud_path_;
   std::string encoding_ = "binary";
   std::string color_ = "own";
-  bool drop_unlabelled_ = false;
+  bool drop_unlabeled_ = false;
   std::string picture_path_;
   std::string plain_picture_path_;
   std::string view_from_;

@@ -39,7 +39,7 @@ constexpr const char* kExamples =
 segctl segment scene.ply --view world:0,0,1.5 --server robot:50051 --json -
 segctl segment --depth depth.png --rgb color.jpg --intrinsics 525,525,319.5,239.5 --picture segments.png
 segctl segment scene.pcd --result scene.segres; segctl cut scene.segres --threshold 0.2
-segctl segment scene.pcd --include 320,240 --exclude 100,400 -o object.ply --drop-unlabelled
+segctl segment scene.pcd --include 320,240 --exclude 100,400 -o object.ply --drop-unlabeled
 segctl segment scans/ --out-dir labeled/; segctl segment --cameras rig/cameras.json --out-dir views/
 segctl segment scans/ --contact-sheet sheet.png; segctl segment run.mcap --topic /points -o labeled.mcap
 segctl segment moving/ --track --out-dir followed/ --json tracks.jsonl)";

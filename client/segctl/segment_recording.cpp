@@ -37,7 +37,7 @@ absl::Status check_flags(const SegmentArguments& arguments) {
         fmt::format("-o {}: of a recording the name must end in .mcap; --out-dir writes a PCD file a frame", path));
   }
   if (!output.format_key().empty()) {
-    return absl::InvalidArgumentError("--encoding, --color and --drop-unlabelled do not go with a recording as output");
+    return absl::InvalidArgumentError("--encoding, --color and --drop-unlabeled do not go with a recording as output");
   }
   return absl::OkStatus();
 }

@@ -20,13 +20,13 @@ TEST(EditDistance, CountsInsertionsRemovalsReplacementsAndSwaps) {
 }
 
 TEST(ClosestName, IsWhatWasMeant) {
-  const std::vector<std::string> names{"--threshold", "--output", "--out-dir", "--drop-unlabelled", "--rgb", "segment"};
+  const std::vector<std::string> names{"--threshold", "--output", "--out-dir", "--drop-unlabeled", "--rgb", "segment"};
   EXPECT_EQ(closest_name("--treshold", names), "--threshold");
   EXPECT_EQ(closest_name("-threshold", names), "--threshold");
-  EXPECT_EQ(closest_name("--drop-unlabeled", names), "--drop-unlabelled");
+  EXPECT_EQ(closest_name("--drop-unlabelled", names), "--drop-unlabeled");
   EXPECT_EQ(closest_name("segmnt", names), "segment");
   EXPECT_EQ(closest_name("--outdir", names), "--out-dir");
-  EXPECT_EQ(closest_name("--drop", names), "--drop-unlabelled") << "its beginning";
+  EXPECT_EQ(closest_name("--drop", names), "--drop-unlabeled") << "its beginning";
 }
 
 TEST(ClosestName, IsNothingIfNoNameIsClose) {

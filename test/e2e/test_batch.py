@@ -152,14 +152,14 @@ class Batch(EndToEnd):
     def test_another_format_is_another_output(self):
         self.batch("--support-plane-distance", "0.01")
         whole = self.contents()
-        done = self.batch("--support-plane-distance", "0.01", "--drop-unlabelled", "--color", "segment")
+        done = self.batch("--support-plane-distance", "0.01", "--drop-unlabeled", "--color", "segment")
         self.assertEqual(set(self.states(done).values()), {"segmented"})
         self.assertEqual(self.contents().keys(), whole.keys())
         for path in self.outputs.glob("*.pcd"):
             labels = pcd.read_labels(path)
             self.assertNotIn(0, labels)
             self.assertLess(len(labels), 160 * 120)
-        done = self.batch("--support-plane-distance", "0.01", "--drop-unlabelled", "--color", "segment")
+        done = self.batch("--support-plane-distance", "0.01", "--drop-unlabeled", "--color", "segment")
         self.assertEqual(set(self.states(done).values()), {"skipped"})
 
     def test_two_servers_and_one_stops(self):

@@ -88,7 +88,7 @@ class Formats(EndToEnd):
         self.assertTrue(told["sceneId"].endswith("scene7"))
         self.run_well("segment", scene, "--local", "-o", label, "-q")
         self.assertEqual(struct.unpack("<800I", label.read_bytes()), (1 << 16,) * 400 + (2 << 16,) * 400)
-        self.run_badly(BAD_INPUT, "segment", scene, "--local", "-o", label, "--drop-unlabelled")
+        self.run_badly(BAD_INPUT, "segment", scene, "--local", "-o", label, "--drop-unlabeled")
         self.run_badly(BAD_INPUT, "segment", scene, "--local", "-o", self.path("x.las"), "--encoding", "ascii")
 
     @unittest.skipUnless(numpy, "there is no NumPy")

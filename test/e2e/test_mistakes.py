@@ -24,10 +24,21 @@ class CommandLine(EndToEnd):
         self.refuse("unknown option --serve (did you mean --server?) (see segctl health --help)",
                     "health", "--serve=localhost")
         self.refuse("unknown option -local (did you mean --local?) (see segctl segment --help)", "segment", "x.pcd", "-local")
-        self.refuse("unknown option --drop-unlabeled (did you mean --drop-unlabelled?) (see segctl cut --help)",
-                    "cut", "x", "--regions", "3", "--drop-unlabeled")
+        self.refuse("unknown option --drop-unlabeld (did you mean --drop-unlabeled?) (see segctl cut --help)",
+                    "cut", "x", "--regions", "3", "--drop-unlabeld")
         scene = self.synth(*SMALL)
         self.refuse(f"there is no command '{scene}' (did you mean segctl segment {scene}?) (see segctl --help)", scene)
+
+    def test_the_old_name_of_a_flag_is_taken_and_not_shown(self):
+        result, scene = self.path("result"), self.synth(*SMALL)
+        self.run_well("segment", scene, "--local", "-q", "--result", result)
+        written = []
+        for flag in ("--drop-unlabeled", "--drop-unlabelled"):
+            output = self.path(f"{flag}.pcd")
+            self.run_well("cut", result, "--regions", "3", "--cloud", scene, "-q", "-o", output, flag)
+            written.append(output.read_bytes())
+        self.assertEqual(*written)
+        self.assertNotIn(b"labelled", self.run_well("cut", "--help-all").stdout)
 
     def test_everything_wrong_is_told_at_once(self):
         self.refuse("unknown option --bogus-flag; --threshold: 'high' is no number; --regions: 'few' is no whole number; "

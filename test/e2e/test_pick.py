@@ -123,7 +123,7 @@ class Pick(unittest.TestCase):
                 self.assertEqual(done.returncode, BAD_INPUT)
                 self.assertIn(reason, done.stderr.decode())
         flat = self.folder / "flat.xyz"
-        self.run_well("segment", self.scene, "--local", "-q", "-o", flat, "--drop-unlabelled")
+        self.run_well("segment", self.scene, "--local", "-q", "-o", flat, "--drop-unlabeled")
         result = self.folder / "flat.segres"
         self.run_well("segment", flat, "--local", "-q", "--result", result)
         done = segctl("pick", result, "--cloud", flat, "--include", "3,4")

@@ -94,11 +94,11 @@ class Formats(EndToEnd):
         self.run_well("segment", scene, "--local", "-q", *flags, "--result", result)
         for command in (("segment", scene, "--local", *flags), ("cut", result, "--cloud", scene, "--threshold", told["threshold"])):
             objects = self.path("objects.pcd")
-            self.run_well(*command, "-q", "-o", objects, "--drop-unlabelled")
+            self.run_well(*command, "-q", "-o", objects, "--drop-unlabeled")
             self.assertEqual(pcd.read_labels(objects), [labels[i] for i in kept])
             self.assertEqual(pcd.read_points(objects), [[channel[i] for i in kept] for channel in (x, y, z, color)])
         ply = self.path("objects.ply")
-        self.run_well("segment", scene, "--local", "-q", *flags, "-o", ply, "--drop-unlabelled", "--encoding", "ascii")
+        self.run_well("segment", scene, "--local", "-q", *flags, "-o", ply, "--drop-unlabeled", "--encoding", "ascii")
         self.assertIn(f"element vertex {len(kept)}\n", ply.read_text())
 
     def test_a_picture_is_a_png(self):

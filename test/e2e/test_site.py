@@ -56,7 +56,7 @@ class Site(unittest.TestCase):
         for page, said in (("api/segmentation_service", "Segments one cloud. This is the call for small clients in any language."),
                            ("cpp/segserve/segment", "A segmented cloud of N points and m supervoxels."),
                            ("python/client", "Segments a cloud. One that is too large for a message goes by a stream, in chunks."),
-                           ("segctl", "--drop-unlabelled"), ("segserve", "--drain-delay")):
+                           ("segctl", "--drop-unlabeled"), ("segserve", "--drain-delay")):
             self.assertTrue(said in self.text(f"reference/{page}.html"), f"{page} does not say: {said}")
 
     def test_pages_need_no_network(self):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""--split writes each segment as a file, and --drop-unlabelled leaves the rest out."""
+"""--split writes each segment as a file, and --drop-unlabeled leaves the rest out."""
 import json
 import unittest
 
@@ -66,11 +66,11 @@ class Split(EndToEnd):
         self.assertRegex(line, "--split writes at most 10000 files, but there are [0-9]+ segments")
         self.assertFalse(self.parts.exists())
 
-    def test_unlabelled_points_are_left_out_of_every_output(self):
+    def test_unlabeled_points_are_left_out_of_every_output(self):
         for name in ("out.pcd", "out.ply"):
             output = self.path(name)
             self.run_well("segment", self.scene, "--local", "-q", "-o", output, "--encoding", "ascii",
-                          "--support-plane-distance", "0.01", "--drop-unlabelled")
+                          "--support-plane-distance", "0.01", "--drop-unlabeled")
             header = "DATA ascii\n" if name.endswith("pcd") else "end_header\n"
             rows = output.read_text().split(header)[1].splitlines()
             self.assertGreater(len(rows), 100)

@@ -174,13 +174,13 @@ inline absl::StatusOr<pcl::PointCloud<pcl::Normal>> supervoxel_normals(const Seg
 /// shape and sensor pose are kept. INVALID_ARGUMENT if there is not one label per point.
 template <PointWithPosition PointT>
 auto with_labels(const pcl::PointCloud<PointT>& cloud, std::span<const std::uint32_t> labels) {
-  using Labelled = std::conditional_t<PointWithColor<PointT>, pcl::PointXYZRGBL, pcl::PointXYZL>;
-  using Result = absl::StatusOr<pcl::PointCloud<Labelled>>;
+  using Labeled = std::conditional_t<PointWithColor<PointT>, pcl::PointXYZRGBL, pcl::PointXYZL>;
+  using Result = absl::StatusOr<pcl::PointCloud<Labeled>>;
   if (labels.size() != cloud.size()) {
     return Result(absl::InvalidArgumentError(
         fmt::format("{} labels for {} points: there must be one per point", labels.size(), cloud.size())));
   }
-  pcl::PointCloud<Labelled> result;
+  pcl::PointCloud<Labeled> result;
   result.header = cloud.header;
   result.sensor_origin_ = cloud.sensor_origin_;
   result.sensor_orientation_ = cloud.sensor_orientation_;
@@ -189,7 +189,7 @@ auto with_labels(const pcl::PointCloud<PointT>& cloud, std::span<const std::uint
   result.height = cloud.height;
   result.is_dense = cloud.is_dense;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    Labelled& point = result[i];
+    Labeled& point = result[i];
     point.x = cloud[i].x;
     point.y = cloud[i].y;
     point.z = cloud[i].z;
