@@ -17,6 +17,7 @@
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/file_format.hpp"
 
 namespace segserve::segctl {
 namespace {
@@ -38,7 +39,9 @@ bool is_left_out(const fs::path& path) {
   return std::ranges::find(kExtensions, path.extension().string()) != kExtensions.end();
 }
 
-absl::Status append_cloud_files(const std::string& folder, std::vector<std::string>& files) {
+}  // namespace
+
+absl::StatusOr<std::vector<std::string>> cloud_files_in(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> found, left_out;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
@@ -54,9 +57,10 @@ absl::Status append_cloud_files(const std::string& folder, std::vector<std::stri
   }
   if (error) return absl::UnavailableError(fmt::format("cannot read folder {}: {}", folder, error.message()));
   std::ranges::sort(found);
-  files.insert(files.end(), found.begin(), found.end());
-  return absl::OkStatus();
+  return found;
 }
+
+namespace {
 
 absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::string>& paths) {
   std::vector<std::string> files;
@@ -64,7 +68,8 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
     std::error_code error;
     if (path == "-") return absl::InvalidArgumentError("standard input has no name for --out-dir and --contact-sheet");
     if (fs::is_directory(path, error)) {
-      RETURN_IF_ERROR(append_cloud_files(path, files));
+      ASSIGN_OR_RETURN(const auto found, cloud_files_in(path));
+      files.insert(files.end(), found.begin(), found.end());
     } else if (fs::exists(path, error)) {
       files.push_back(path);
     } else {
@@ -73,7 +78,9 @@ absl::StatusOr<std::vector<std::string>> expand_folders(const std::vector<std::s
   }
   if (files.empty())
     return absl::InvalidArgumentError(
-        "there is no file of a cloud in what was given; recordings are segmented one at a time, by their names");
+        fmt::format("there is no file of a cloud in {}: none whose name ends in {}; recordings are segmented one at a "
+                    "time, by their names",
+                    fmt::join(paths, ", "), codec::readable_extensions()));
   std::set<fs::path> seen;
   std::erase_if(files, [&](const auto& file) { return !seen.insert(fs::absolute(file).lexically_normal()).second; });
   return files;
@@ -120,7 +127,9 @@ absl::StatusOr<std::vector<BatchInput>> batch_inputs(const std::vector<std::stri
 
 std::optional<DoneBefore> done_before(const BatchInput& input, const std::string& key) {
   std::error_code error;
-  if (!fs::is_regular_file(input.cloud_path, error)) return std::nullopt;
+  if (!fs::is_regular_file(input.cloud_path, error) || !fs::is_regular_file(input.summary_path, error)) {
+    return std::nullopt;
+  }
   std::ifstream file(input.summary_path);
   const auto summary = Json::parse(file, nullptr, false);
   const Json batch = member(summary, "batch");

@@ -18,6 +18,10 @@ struct BatchInput {
   std::string summary_path;  ///< DIR/NAME.json: written last, so that it stands for a complete output.
 };
 
+/// The clouds in a folder, by their names. Prints a warning of files that cannot be read in a folder. UNAVAILABLE if
+/// the folder cannot be read.
+absl::StatusOr<std::vector<std::string>> cloud_files_in(const std::string& folder);
+
 /// The given files, and the files of clouds (codec::is_cloud_file) in the given folders (not in folders within them),
 /// sorted by name within each folder. A file that is given twice is taken once. Without `out_dir` nothing is written.
 /// INVALID_ARGUMENT if there is none, or if an output would overwrite a file or another output; NOT_FOUND for a path

@@ -126,7 +126,8 @@ absl::StatusOr<TrackReport> score_tracks(const TrackEvaluation& evaluation) {
   RETURN_IF_ERROR(eval::check(evaluation.degradation));
   TrackReport report{.folder = evaluation.folder, .sequences = {}};
   for (const fs::path& folder : sequence_folders(evaluation.folder)) {
-    ASSIGN_OR_RETURN(const auto frames, read_sequence(folder.string(), evaluation.flags->rate));
+    ASSIGN_OR_RETURN(const auto frames,
+                     read_sequence(folder.string(), evaluation.flags->rate, codec::ReadableFor::kLabels));
     SequenceScoring scoring(evaluation, folder.filename().string());
     const ProgressBar bar("scoring");
     for (std::size_t i = 0; i < frames.size(); ++i) {

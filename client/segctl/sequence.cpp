@@ -5,11 +5,11 @@
 #include <system_error>
 #include <utility>
 
+#include "client/segctl/batch_inputs.hpp"
 #include "client/segctl/json_list.hpp"
 #include "client/segctl/pose_json.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
-#include "core/lab/eval/evaluation.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 
@@ -61,16 +61,25 @@ std::string sequence_json(const std::vector<SequenceFrame>& frames) {
   return Json{{"frames", std::move(list)}}.dump(1) + "\n";
 }
 
-absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& folder, double rate) {
+absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& folder, double rate,
+                                                         codec::ReadableFor use) {
   const std::string path = (fs::path(folder) / kSequenceFile).string();
   if (std::error_code error; fs::exists(path, error)) {
     return read_frames(path);
   }
-  ASSIGN_OR_RETURN(const auto files, eval::scene_files(folder));
+  if (std::error_code error; !fs::is_directory(folder, error)) {
+    return absl::NotFoundError(fmt::format("there is no folder {}", folder));
+  }
+  ASSIGN_OR_RETURN(auto files, cloud_files_in(folder));
+  std::erase_if(files, [use](const std::string& file) { return !codec::has_readable_extension(file, use); });
+  if (files.empty()) {
+    return absl::InvalidArgumentError(fmt::format("there is no file of a cloud in {}: none whose name ends in {}",
+                                                  folder, codec::readable_extensions(use)));
+  }
   std::vector<SequenceFrame> frames;
   frames.reserve(files.size());
-  for (const fs::path& file : files) {
-    frames.push_back({file.filename().string(), static_cast<double>(frames.size()) / rate, std::nullopt});
+  for (const std::string& file : files) {
+    frames.push_back({fs::path(file).filename().string(), static_cast<double>(frames.size()) / rate, std::nullopt});
   }
   return frames;
 }

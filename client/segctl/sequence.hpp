@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "segserve/codec/file_format.hpp"
 #include "segserve/tracking.hpp"
 
 namespace segserve::segctl {
@@ -29,7 +30,9 @@ inline constexpr const char* kSequenceFile = "sequence.json";
 std::string sequence_json(const std::vector<SequenceFrame>& frames);
 
 /// The frames of a folder. Without sequence.json they are its clouds in the order of their names, at `rate` frames a
-/// second. INVALID_ARGUMENT if sequence.json is wrong, or there is no cloud; NOT_FOUND if there is no such folder.
-absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& folder, double rate);
+/// second; those that cannot hold labels are left out if these are needed. INVALID_ARGUMENT if sequence.json is wrong,
+/// or there is no cloud; NOT_FOUND if there is no such folder.
+absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& folder, double rate,
+                                                         codec::ReadableFor use = codec::ReadableFor::kSegmentation);
 
 }  // namespace segserve::segctl

@@ -178,7 +178,9 @@ class Batch(EndToEnd):
                                 ((scene, "--out-dir", scene / "x", "--local"), "cannot make the folder"),
                                 ((scene, twin, "--out-dir", self.outputs), "both be written"),
                                 ((scene, "--out-dir", self.inputs), "overwritten"),
-                                ((self.outputs, "--out-dir", self.outputs), "no file of a cloud"),
+                                ((self.outputs, "--out-dir", self.outputs),
+                                 f"no file of a cloud in {self.outputs}: none whose name ends in .pcd, .ply, .las, .xyz, .txt, .csv, .pts, "
+                                 ".obj, .npy, .npz or .bin, also compressed as .gz or .zst;"),
                                 ((self.path("none"), "--out-dir", self.outputs), "there is no"),
                                 (("-", "--out-dir", self.outputs), "standard input"),
                                 ((scene, "--out-dir", self.outputs, "-o", "x.pcd"), "--out-dir and --contact-sheet exclude"),

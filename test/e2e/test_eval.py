@@ -196,7 +196,9 @@ class Eval(EndToEnd):
         (unlabeled / "x.pcd").write_bytes(pcd.ascii_file([(0, 0, 1), (0, 1, 1)]))
         result = self.path("result.json")
         self.run_well("eval", "--data", self.data, "-q", "--json", result)
-        for part, *flags in (("--data or --compare",), ("no cloud that can have labels", "--data", self.empty),
+        for part, *flags in (("--data or --compare",),
+                             ("no cloud that can have labels: no file whose name ends in .pcd, .ply, .las, .xyz, .txt, .csv, .pts, .npy or "
+                              ".npz, also compressed as .gz or .zst", "--data", self.empty),
                              ("there is no folder", "--data", self.folder / "absent"),
                              ("--view sky: must be", "--data", self.data, "--view", "sky"),
                              ("is no folder", "--data", self.data / "1.pcd"),

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <utility>
 
 #include "core/base/status_macros.hpp"
@@ -37,8 +38,48 @@ constexpr std::array<Extension, 10> kWritable{{
     {".gltf", FileFormat::kGltf},
 }};
 
-constexpr std::array<std::string_view, 11> kReadable{".pcd", ".ply", ".las", ".xyz", ".txt", ".csv",
-                                                     ".pts", ".obj", ".npy", ".npz", ".bin"};
+struct ReadableExtension {
+  std::string_view end;
+  bool may_have_labels = true;
+};
+
+constexpr std::array<ReadableExtension, 11> kReadable{{
+    {".pcd"},
+    {".ply"},
+    {".las"},
+    {".xyz"},
+    {".txt"},
+    {".csv"},
+    {".pts"},
+    {".obj", false},
+    {".npy"},
+    {".npz"},
+    {".bin", false},
+}};
+constexpr std::array<std::string_view, 2> kCompressed{".gz", ".zst"};
+
+/// ".pcd, .ply or .las"
+std::string listed(std::span<const std::string_view> ends) {
+  std::string all;
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    if (i > 0) all += i + 1 == ends.size() ? " or " : ", ";
+    all += ends[i];
+  }
+  return all;
+}
+
+/// The row of the end of a name, which may also tell a compression; null if there is none.
+const ReadableExtension* readable_extension_of(std::string_view path) {
+  for (const std::string_view compression : kCompressed) {
+    if (has_extension(path, compression)) {
+      path.remove_suffix(compression.size());
+      break;
+    }
+  }
+  const auto found =
+      std::ranges::find_if(kReadable, [path](const ReadableExtension& e) { return has_extension(path, e.end); });
+  return found == kReadable.end() ? nullptr : &*found;
+}
 
 const Extension* extension_of(std::string_view path) {
   const auto found = std::ranges::find_if(kWritable, [path](const Extension& e) { return has_extension(path, e.end); });
@@ -66,22 +107,22 @@ std::optional<FileFormat> file_format_of(std::string_view path) {
 }
 
 std::string writable_extensions() {
-  std::string all;
-  for (std::size_t i = 0; i < kWritable.size(); ++i) {
-    if (i > 0) all += i + 1 == kWritable.size() ? " or " : ", ";
-    all += kWritable[i].end;
-  }
-  return all;
+  std::vector<std::string_view> ends;
+  for (const Extension& extension : kWritable) ends.push_back(extension.end);
+  return listed(ends);
 }
 
-bool has_readable_extension(std::string_view path) {
-  for (const std::string_view compression : {".gz", ".zst"}) {
-    if (has_extension(path, compression)) {
-      path.remove_suffix(compression.size());
-      break;
-    }
+std::string readable_extensions(ReadableFor use) {
+  std::vector<std::string_view> ends;
+  for (const ReadableExtension& extension : kReadable) {
+    if (extension.may_have_labels || use == ReadableFor::kSegmentation) ends.push_back(extension.end);
   }
-  return std::ranges::any_of(kReadable, [path](std::string_view end) { return has_extension(path, end); });
+  return fmt::format("{}, also compressed as {}", listed(ends), listed(kCompressed));
+}
+
+bool has_readable_extension(std::string_view path, ReadableFor use) {
+  const ReadableExtension* const extension = readable_extension_of(path);
+  return extension != nullptr && (extension->may_have_labels || use == ReadableFor::kSegmentation);
 }
 
 bool has_labels_only(FileFormat format) { return format == FileFormat::kSegsJson || format == FileFormat::kKittiLabel; }

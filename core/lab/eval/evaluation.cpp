@@ -27,10 +27,9 @@ namespace fs = std::filesystem;
 
 bool is_scene(const fs::directory_entry& entry) {
   const std::string path = entry.path().string();
-  const bool has_no_labels = std::ranges::any_of(std::array{".obj", ".obj.gz", ".obj.zst"},
-                                                 [&](std::string_view end) { return codec::has_extension(path, end); });
   std::error_code ignored;
-  return !has_no_labels && entry.is_regular_file(ignored) && codec::is_cloud_file(path);
+  return codec::has_readable_extension(path, codec::ReadableFor::kLabels) && entry.is_regular_file(ignored) &&
+         codec::is_cloud_file(path);
 }
 
 absl::Status in_file(const fs::path& path, const absl::Status& status) { return with_prefix(path.string(), status); }
@@ -101,10 +100,9 @@ absl::StatusOr<std::vector<fs::path>> scene_files(const fs::path& folder) {
   }
   if (error) return absl::UnavailableError(fmt::format("cannot read {}: {}", folder.string(), error.message()));
   if (files.empty()) {
-    return absl::InvalidArgumentError(
-        fmt::format("{} has no cloud that can have labels: no file whose name ends in .pcd, .ply, .las, .csv, .xyz, "
-                    ".pts, .txt, .npy or .npz",
-                    folder.string()));
+    return absl::InvalidArgumentError(fmt::format("{} has no cloud that can have labels: no file whose name ends in {}",
+                                                  folder.string(),
+                                                  codec::readable_extensions(codec::ReadableFor::kLabels)));
   }
   std::ranges::sort(files);
   return files;

@@ -42,8 +42,14 @@ std::string writable_extensions();
 /// Whether the path ends in `extension`, which is in lower case, in any case.
 bool has_extension(std::string_view path, std::string_view extension);
 
+/// What a file is read for. Some formats cannot hold labels.
+enum class ReadableFor : std::uint8_t { kSegmentation, kLabels };
+
 /// Whether a file's name ends as those do that decode_cloud can read, such as .pcd or .las.gz.
-bool has_readable_extension(std::string_view path);
+bool has_readable_extension(std::string_view path, ReadableFor use = ReadableFor::kSegmentation);
+
+/// The ends of these names, for messages: ".pcd, .ply, .. or .bin, also compressed as .gz or .zst".
+std::string readable_extensions(ReadableFor use = ReadableFor::kSegmentation);
 
 /// Whether the format has nothing but the labels of the points.
 bool has_labels_only(FileFormat format);
