@@ -7,6 +7,7 @@
 #include "absl/strings/escaping.h"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/base/strict_json.hpp"
 #include "credentials/base64url.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -85,7 +86,11 @@ absl::StatusOr<JsonWebKey> read_key(const Json& key, const JsonWebKeys& others) 
 }  // namespace
 
 absl::StatusOr<JsonWebKeys> parse_json_web_keys(std::string_view text, std::string_view name) {
-  const Json root = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto parsed = parse_strict_json<Json>(text);
+  if (!parsed.ok()) {
+    return absl::InvalidArgumentError(fmt::format("{} is no JSON Web Key Set: {}", name, message_of(parsed.status())));
+  }
+  const Json& root = *parsed;
   const auto set = root.is_object() ? root.find("keys") : root.end();
   if (!root.is_object() || set == root.end() || !set->is_array()) {
     return absl::InvalidArgumentError(fmt::format("{} is no JSON Web Key Set: an object with an array 'keys'", name));

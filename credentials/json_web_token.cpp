@@ -8,6 +8,8 @@
 
 #include "absl/strings/ascii.h"
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
+#include "core/base/strict_json.hpp"
 #include "credentials/base64url.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -35,8 +37,13 @@ Parts split(std::string_view token) {
 
 absl::StatusOr<Json> object_of(std::string_view part, std::string_view name) {
   const std::optional<std::string> text = from_base64url(part);
-  Json object = text ? Json::parse(*text, nullptr, /*allow_exceptions=*/false) : Json();
-  if (!object.is_object()) return refused(fmt::format("the {} is no JSON object in base64url", name));
+  auto object = text ? parse_strict_json<Json>(*text) : absl::StatusOr<Json>(Json());
+  if (!object.ok() && message_of(object.status()).ends_with(" twice")) {  // RFC 7519, section 4
+    return refused(fmt::format("the {}: {}", name, message_of(object.status())));
+  }
+  if (!object.ok() || !object->is_object()) {
+    return refused(fmt::format("the {} is no JSON object in base64url", name));
+  }
   return object;
 }
 

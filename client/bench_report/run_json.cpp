@@ -12,6 +12,7 @@
 
 #include "absl/strings/str_join.h"
 #include "core/base/status_macros.hpp"
+#include "core/base/strict_json.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
 
@@ -239,18 +240,7 @@ absl::StatusOr<Json> parse_run(std::string_view bytes) {
   if (bytes.size() > kMaxBytes) {
     return absl::InvalidArgumentError(fmt::format("it has {} bytes; at most {} are read", bytes.size(), kMaxBytes));
   }
-  bool is_deep = false;
-  const auto callback = [&is_deep](int depth, Json::parse_event_t /*event*/, Json& /*parsed*/) {
-    if (depth > kMaxDepth) is_deep = true;
-    return depth <= kMaxDepth;
-  };
-  Json run;
-  try {
-    run = Json::parse(bytes, callback);
-  } catch (const Json::exception& error) {
-    return absl::InvalidArgumentError(fmt::format("it is no JSON: {}", error.what()));
-  }
-  if (is_deep) return absl::InvalidArgumentError(fmt::format("it has more than {} levels", kMaxDepth));
+  ASSIGN_OR_RETURN(Json run, parse_strict_json<Json>(bytes, kMaxDepth));
   RETURN_IF_ERROR(check_run(run));
   return run;
 }

@@ -6,6 +6,7 @@
 #include "client/segctl/input_file.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/base/strict_json.hpp"
 #include "fmt/format.h"
 #include "fmt/ranges.h"
 
@@ -14,25 +15,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Why a text is no JSON: nlohmann's words without the name of the exception.
-std::string fault_of(const Json::exception& error) {
-  std::string_view text = error.what();
-  if (const std::size_t end = text.find("] "); end != std::string_view::npos) text.remove_prefix(end + 2);
-  return std::string(text);
-}
-
 absl::StatusOr<Json> list_in(const std::string& bytes, std::string_view name) {
-  try {
-    Json json = Json::parse(bytes);
-    RETURN_IF_ERROR(check_members(json, {name}));
-    if (!json.contains(name) || !json[name].is_array()) {
-      return absl::InvalidArgumentError(fmt::format("it has no list \"{}\"", name));
-    }
-    if (json[name].empty()) return absl::InvalidArgumentError(fmt::format("its list \"{}\" is empty", name));
-    return json[name];
-  } catch (const Json::exception& error) {
-    return absl::InvalidArgumentError(fault_of(error));
+  ASSIGN_OR_RETURN(const Json json, parse_strict_json<Json>(bytes));
+  RETURN_IF_ERROR(check_members(json, {name}));
+  if (!json.contains(name) || !json[name].is_array()) {
+    return absl::InvalidArgumentError(fmt::format("it has no list \"{}\"", name));
   }
+  if (json[name].empty()) return absl::InvalidArgumentError(fmt::format("its list \"{}\" is empty", name));
+  return json[name];
 }
 
 }  // namespace

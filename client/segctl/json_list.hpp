@@ -12,7 +12,8 @@
 namespace segserve::segctl {
 
 /// The list of this name in a file that holds a JSON object with nothing else. INVALID_ARGUMENT, with the path, for
-/// text that is no JSON, with its line and column; for other members; and if there is no such list or it is empty.
+/// text that is no JSON, with its line and column; for objects that have a member twice; for other members; and if
+/// there is no such list or it is empty.
 absl::StatusOr<nlohmann::ordered_json> read_json_list(const std::string& path, std::string_view name);
 
 /// INVALID_ARGUMENT if something is no object, or has a member that is not among these.

@@ -176,7 +176,9 @@ class Segctl(Cameras):
         self.assertIn("its list \"cameras\" is empty", refused(lambda cameras: cameras.clear()))
         self.assertIn("WORLD view that does not say", refused(lambda cameras: None, "--view", "world"))
         for text, said in (("{", "line 1, column 2"), ("", "line 1, column 1"), ('{"cameras": [1e999]}', "1e999"),
-                           ('{"cameras": []} []', "column 17"), ("[]", "it is no JSON object"), ("{}", 'no list "cameras"')):
+                           ('{"cameras": []} []', "column 17"), ("[]", "it is no JSON object"), ("{}", 'no list "cameras"'),
+                           ('{"cameras": [{"file": "a.pcd", "file": "b.pcd"}]}', 'the member "file" twice'),
+                           ('{"cameras": [], "cameras": []}', 'the member "cameras" twice')):
             file.write_text(text)
             self.assertRegex(self.run_badly(BAD_INPUT, "segment", "--cameras", file, "--local"), f"wrong.json: .*{said}")
 

@@ -112,7 +112,8 @@ class Tracking(EndToEnd):
         for text, message in (("{", "line 1, column 2"), ('{"frames": []}', "its list \"frames\" is empty"),
                               ('{"frames": [{"file": "../x.pcd", "time": 0}]}', "frame 0: its \"file\" is no name"),
                               ('{"frames": [{"file": "frame_0000.pcd"}]}', "frame 0: it has no \"time\""),
-                              ('{"frames": [{"file": "frame_0000.pcd", "time": 0, "rotation": [1]}]}', "9 numbers")):
+                              ('{"frames": [{"file": "frame_0000.pcd", "time": 0, "rotation": [1]}]}', "9 numbers"),
+                              ('{"frames": [{"file": "frame_0000.pcd", "time": 0, "time": 1}]}', "the member \"time\" twice")):
             (folder / "sequence.json").write_text(text)
             self.assertIn(message, self.run_badly(BAD_INPUT, "segment", folder, "--track", "--local"))
 

@@ -4,6 +4,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "core/base/strict_json.hpp"
 #include "core/lab/eval/report.hpp"
 #include "fmt/format.h"
 #include "nlohmann/json.hpp"
@@ -112,7 +113,11 @@ std::string to_json(const Report& report, const Peer* peer) {
 }
 
 absl::StatusOr<Report> report_from_json(std::string_view text) {
-  const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  const auto parsed = parse_strict_json<Json>(text);
+  if (!parsed.ok()) {
+    return absl::InvalidArgumentError(fmt::format("not a result of segctl eval: {}", message_of(parsed.status())));
+  }
+  const Json& json = *parsed;
   const bool looks_right = json.is_object() && json.contains("method") && json["method"].is_string() &&
                            json.contains("per_scene") && json["per_scene"].is_array();
   if (!looks_right) {
