@@ -67,7 +67,8 @@ class StreamRun {
   /// Sends the frames of a feed from its beginning to its end. Returns whether there may be another round: not if none
   /// of them could be read.
   bool send_round(FrameFeed& feed, client::Stream& stream);
-  void send(FeedFrame frame, client::Stream& stream);
+  /// `delay` is how much later than planned this is.
+  void send(FeedFrame frame, Clock::duration delay, client::Stream& stream);
   /// False if the stream is to end before that time.
   bool wait_until(Clock::time_point due) const;
   void receive(client::Outcome outcome);
@@ -87,7 +88,8 @@ class StreamRun {
   std::atomic<bool> stopping_{false};
   // Of the thread that sends.
   Clock::time_point start_;
-  double round_begin_ = 0;  // seconds since `start_`, by the times of the frames
+  std::optional<Clock::time_point> first_due_;
+  double round_begin_ = 0;  // seconds since `first_due_`, by the times of the frames
   double last_time_ = 0;
   std::uint64_t next_sequence_ = 1;  // The stream numbers its frames from 1, and does not count those that it refused.
 
@@ -142,11 +144,11 @@ void StreamRun::fail(const std::string& name, const absl::Status& status) {
   all_are_bad_input_ = all_are_bad_input_ && exit_code(status) == kBadInput;
 }
 
-void StreamRun::send(FeedFrame frame, client::Stream& stream) {
+void StreamRun::send(FeedFrame frame, Clock::duration delay, client::Stream& stream) {
   absl::Status status = frame.content.status();
   {
     const MutexLock lock(mutex_);
-    stats_.add_frame();
+    stats_.add_frame(delay);
   }
   if (status.ok()) {
     const auto content = std::make_shared<const codec::LabeledCloud>(*std::move(frame.content));
@@ -185,12 +187,15 @@ bool StreamRun::send_round(FrameFeed& feed, client::Stream& stream) {
       return false;
     }
     if (!*frame) break;
+    if (absl::IsCancelled((*frame)->content.status())) return false;  // a signal came while a pipe was read
+    if (!first_due_) first_due_ = Clock::now();                       // The stream begins when its first frame is read.
     const double rate = arguments_.rate.value_or(kDefaultRate);
     const bool has_own_time = !arguments_.rate && feed.has_times();
     last_time_ = round_begin_ + (has_own_time ? (*frame)->time : static_cast<double>(frames) / rate);
     const std::chrono::duration<double> due(last_time_ / arguments_.speed);
-    if (!wait_until(start_ + std::chrono::duration_cast<Clock::duration>(due))) return false;
-    send(*std::move(*frame), stream);
+    const Clock::time_point planned = *first_due_ + std::chrono::duration_cast<Clock::duration>(due);
+    if (!wait_until(planned)) return false;
+    send(*std::move(*frame), Clock::now() - planned, stream);
     ++frames;
   }
   // The next round begins one frame after the last.

@@ -13,9 +13,19 @@
 namespace segserve::segctl {
 namespace {
 
+double milliseconds(StreamStats::Clock::duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
 std::string number_or_dash(const std::optional<double>& value) { return value ? fmt::format("{:.1f}", *value) : "-"; }
 
 }  // namespace
+
+void StreamStats::add_frame(Clock::duration delay) {
+  ++frames_;
+  if (delay > kPunctual) ++late_;
+  longest_delay_ = std::max(longest_delay_, delay);
+}
 
 void StreamStats::add(const client::Outcome& outcome, Time now) {
   switch (outcome.kind) {
@@ -23,7 +33,7 @@ void StreamStats::add(const client::Outcome& outcome, Time now) {
       ++results_;
       if (outcome.result) segments_ = outcome.result->segmentation.segments;
       const auto latency = outcome.report.outcome_done - outcome.report.handed_over;
-      done_.push_back({now, std::chrono::duration<double, std::milli>(latency).count()});
+      done_.push_back({now, milliseconds(latency)});
       all_.add(done_.back().latency_ms);
       break;
     }
@@ -87,6 +97,8 @@ nlohmann::ordered_json StreamStats::json(Time now) const {
           {"results", results_},
           {"dropped", dropped_},
           {"failed", failed_},
+          {"late", late_},
+          {"longest_delay_ms", milliseconds(longest_delay_)},
           {"seconds", std::chrono::duration<double>(now - start_).count()},
           {"rate", rate(now)},
           {"p50_ms", or_null(latency_ms(50, now))},
@@ -100,6 +112,10 @@ std::string StreamStats::summary(Time end) const {
   std::string text = fmt::format("{} frames, {} results, {} dropped, {} failed in {:.1f} s: {:.1f} a second", frames_,
                                  results_, dropped_, failed_, seconds, rate);
   if (results_ > 0) text += fmt::format(", p50 {:.1f} ms, p95 {:.1f} ms", all_.percentile(50), all_.percentile(95));
+  if (late_ > 0) {
+    text += fmt::format("; the rate was not kept: {} frames were sent more than {} ms late, up to {:.0f} ms", late_,
+                        kPunctual.count(), milliseconds(longest_delay_));
+  }
   return text + "\n";
 }
 

@@ -27,8 +27,11 @@ class StreamStats {
 
   explicit StreamStats(Time start) : start_(start) {}
 
-  /// Counts a frame of the source, whatever becomes of it.
-  void add_frame() { ++frames_; }
+  /// A frame that is sent later than this was not sent when its time had come.
+  static constexpr std::chrono::milliseconds kPunctual{50};
+
+  /// Counts a frame of the source, whatever becomes of it. `delay` is how much later than planned it is sent.
+  void add_frame(Clock::duration delay);
   /// Counts one that could not be read or was refused.
   void add_failure() { ++failed_; }
   void add(const client::Outcome& outcome, Time now);
@@ -37,6 +40,8 @@ class StreamStats {
   std::uint64_t results() const { return results_; }
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t failed() const { return failed_; }
+  /// Frames that were sent later than planned: the source, or a server that is waited for, is too slow.
+  std::uint64_t late() const { return late_; }
   std::uint32_t segments() const { return segments_; }
 
   /// Results a second in the window.
@@ -61,7 +66,8 @@ class StreamStats {
   Time window_begin(Time now) const { return std::max(start_, now - kWindow); }
 
   Time start_;
-  std::uint64_t frames_ = 0, results_ = 0, dropped_ = 0, failed_ = 0;
+  std::uint64_t frames_ = 0, results_ = 0, dropped_ = 0, failed_ = 0, late_ = 0;
+  Clock::duration longest_delay_{};
   std::uint32_t segments_ = 0;  // of the last result
   std::deque<Done> done_;       // of the window
   bench::Latencies all_;        // of all results

@@ -33,7 +33,7 @@ client::Outcome ended_as(client::OutcomeKind kind) {
 
 TEST(StreamStats, CountsEachEndOfAFrame) {
   StreamStats stats(kStart);
-  for (int i = 0; i < 6; ++i) stats.add_frame();
+  for (int i = 0; i < 6; ++i) stats.add_frame(0ms);
   stats.add(result_after(10ms, kStart + 1s), kStart + 1s);
   stats.add(ended_as(client::OutcomeKind::kDropped), kStart + 1s);
   stats.add(ended_as(client::OutcomeKind::kExpired), kStart + 1s);
@@ -45,6 +45,19 @@ TEST(StreamStats, CountsEachEndOfAFrame) {
   EXPECT_EQ(stats.dropped(), 2U);
   EXPECT_EQ(stats.failed(), 2U);
   EXPECT_EQ(stats.segments(), 7U);
+}
+
+TEST(StreamStats, TellsThatTheRateWasNotKept) {
+  StreamStats stats(kStart);
+  stats.add_frame(StreamStats::kPunctual);
+  EXPECT_EQ(stats.late(), 0U);
+  EXPECT_THAT(stats.summary(kStart + 1s), testing::Not(testing::HasSubstr("rate was not kept")));
+  stats.add_frame(300ms);
+  stats.add_frame(120ms);
+  EXPECT_THAT(stats.summary(kStart + 1s),
+              testing::HasSubstr("; the rate was not kept: 2 frames were sent more than 50 ms late, up to 300 ms\n"));
+  EXPECT_EQ(stats.summary_json(kStart + 1s)["late"], 2);
+  EXPECT_EQ(stats.summary_json(kStart + 1s)["longest_delay_ms"], 300.0);
 }
 
 TEST(StreamStats, RateAndPercentilesAreThoseOfTheLastSeconds) {
@@ -65,7 +78,7 @@ TEST(StreamStats, RateAndPercentilesAreThoseOfTheLastSeconds) {
 
 TEST(StreamStats, TheTableFitsTheWindow) {
   StreamStats stats(kStart);
-  stats.add_frame();
+  stats.add_frame(0ms);
   stats.add(result_after(12ms, kStart + 1s), kStart + 1s);
   for (const std::size_t columns : {1U, 20U, 40U, 80U, 200U}) {
     std::istringstream lines(stats.table(kStart + 1s, columns));
@@ -83,7 +96,7 @@ TEST(StreamStats, TheTableFitsTheWindow) {
 
 TEST(StreamStats, TheSummaryIsOfTheWholeStream) {
   StreamStats stats(kStart);
-  for (int i = 1; i <= 50; ++i) stats.add_frame();
+  for (int i = 1; i <= 50; ++i) stats.add_frame(0ms);
   for (int i = 1; i <= 50; ++i) stats.add(result_after(20ms, kStart + 1s), kStart + 1s);
   const auto json = stats.summary_json(kStart + 100s);
   EXPECT_EQ(json["results"], 50);
