@@ -87,6 +87,13 @@ void Canvas::text(Pixel at, std::string_view text, std::uint32_t rgb) {
   }
 }
 
+void Canvas::text_in_middle(std::string_view text, std::uint32_t rgb) {
+  const int width = text_width(text);
+  const auto image_width = static_cast<int>(image_.width), image_height = static_cast<int>(image_.height);
+  if (width > image_width || kTextHeight > image_height) return;
+  this->text({(image_width - width) / 2, (image_height - kTextHeight) / 2}, text, rgb);
+}
+
 void Canvas::paste(Pixel at, const Image& picture) {
   for (std::uint32_t y = 0; y < picture.height; ++y) {
     for (std::uint32_t x = 0; x < picture.width; ++x) {

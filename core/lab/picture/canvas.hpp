@@ -43,6 +43,8 @@ class Canvas {
   void line(Pixel from, Pixel to, std::uint32_t rgb, int dash = 0);
   /// One line of text whose capital letters begin at a pixel. It is UTF-8; what is not ASCII becomes "?".
   void text(Pixel at, std::string_view text, std::uint32_t rgb);
+  /// One line of text in the middle of the image, if it has room there.
+  void text_in_middle(std::string_view text, std::uint32_t rgb);
   /// Copies an image so that its upper left corner lies at a pixel.
   void paste(Pixel at, const Image& picture);
 
@@ -51,6 +53,9 @@ class Canvas {
 
   Image& image_;
 };
+
+/// What a picture says that shows no point.
+inline constexpr std::string_view kNoPointsText = "no points";
 
 /// How many characters `Canvas::text` draws for a text, and how wide they are in pixels.
 std::size_t drawn_characters(std::string_view text);

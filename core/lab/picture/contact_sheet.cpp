@@ -28,6 +28,19 @@ std::size_t columns_for(std::size_t entries) {
                                  std::max<std::size_t>(entries, 1));
 }
 
+bool has_finite_point(const CloudView& cloud) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (std::isfinite(cloud.x[i]) && std::isfinite(cloud.y[i]) && std::isfinite(cloud.z[i])) return true;
+  }
+  return false;
+}
+
+Image empty_picture() {
+  Image image = blank_image(kSheetPictureWidth, kSheetPictureHeight, kEmptyColor);
+  Canvas(image).text_in_middle(kNoPointsText, kFaintTextColor);
+  return image;
+}
+
 void draw_entry(const SheetEntry& entry, Pixel at, Canvas& canvas) {
   canvas.fill({at.x, at.y, kPictureWidth, kPictureHeight}, kEmptyColor);
   if (entry.picture) {
@@ -44,6 +57,7 @@ void draw_entry(const SheetEntry& entry, Pixel at, Canvas& canvas) {
 }  // namespace
 
 Image sheet_picture(const CloudView& cloud, std::span<const std::uint32_t> labels) {
+  if (!has_finite_point(cloud)) return empty_picture();
   // An organized cloud has the size of its image, and may be tall.
   RenderOptions options{.width = 2 * kSheetPictureWidth, .height = 2 * kSheetPictureHeight};
   Image image = render(cloud, labels, options);

@@ -16,7 +16,7 @@ constexpr int kMargin = 12;
 constexpr int kRow = 20;
 constexpr int kSwatch = 14;
 constexpr int kHeadRows = 2;
-constexpr std::size_t kLeastEntries = 3;
+constexpr std::size_t kLeastEntries = 12;  // a small picture gets higher, so that its legend has room for them
 
 /// The widths of the columns of labels and points, in characters.
 struct Columns {
@@ -119,6 +119,7 @@ void draw_legend(std::span<const LegendEntry> entries, const Box& box, Canvas& c
   const int text_left = at.x + kSwatch + 8;
   const auto next = [&at] { at.y += kRow; };
   canvas.text(at, fmt::format("{} segment{}", entries.size(), entries.size() == 1 ? "" : "s"), kTextColor);
+  if (entries.empty()) return;
   next();
   canvas.text({text_left, at.y}, row_text(columns, "#", "points", "%"), kFaintTextColor);
   next();
@@ -132,7 +133,7 @@ void draw_legend(std::span<const LegendEntry> entries, const Box& box, Canvas& c
                 kTextColor);
     next();
   }
-  if (shown < entries.size()) canvas.text(at, fmt::format("{} more", entries.size() - shown), kFaintTextColor);
+  if (shown < entries.size()) canvas.text(at, fmt::format("and {} more", entries.size() - shown), kFaintTextColor);
 }
 
 Image with_legend(const Image& picture, const Raster& raster, std::span<const std::uint32_t> labels,

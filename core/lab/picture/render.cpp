@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/lab/picture/canvas.hpp"
 #include "core/lab/picture/legend.hpp"
 #include "core/lab/picture/picture.hpp"
 #include "core/lab/picture/raster.hpp"
@@ -158,6 +159,9 @@ Image render(const CloudView& cloud, std::span<const std::uint32_t> labels, cons
   SegmentColors& colors = options.colors == nullptr ? own_colors : *options.colors;
   if (!labels.empty()) colors.update(labels_by_size(raster, labels), label_neighbors(raster, labels));
   Image image = paint_points(cloud, labels, options, raster, colors);
+  const bool is_empty =
+      std::ranges::all_of(raster.point, [](std::uint32_t point) { return point == Raster::kNoPoint; });
+  if (is_empty) Canvas(image).text_in_middle(kNoPointsText, kFaintTextColor);
   if (!is_image) light_edges(raster, image);
   if (is_image && options.borders && !labels.empty()) draw_borders(labels, raster, image);
   return options.legend && !labels.empty() ? with_legend(image, raster, labels, colors) : image;

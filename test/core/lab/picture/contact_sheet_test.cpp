@@ -3,7 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "core/lab/picture/canvas.hpp"
+#include "core/lab/picture/legend.hpp"
 
 namespace segserve::picture {
 namespace {
@@ -31,6 +35,18 @@ TEST(ContactSheet, OfOneOrNoneIsAPicture) {
   EXPECT_GT(make_contact_sheet({}, "0 files").width, 60U);
   const std::vector<SheetEntry> one(1);
   EXPECT_GE(make_contact_sheet(one, "1 files").width, kSheetPictureWidth);
+}
+
+TEST(SheetPicture, OfACloudWithoutPointsSaysSo) {
+  Cloud cloud;
+  cloud.resize(20, false);
+  std::ranges::fill(cloud.z, std::numeric_limits<float>::quiet_NaN());
+  for (const Image& image : {sheet_picture(cloud, std::vector<std::uint32_t>(20)), sheet_picture(Cloud{}, {})}) {
+    EXPECT_EQ(image.width, kSheetPictureWidth);
+    EXPECT_TRUE(has(image, kFaintTextColor));
+  }
+  cloud.z.front() = 1;
+  EXPECT_FALSE(has(sheet_picture(cloud, std::vector<std::uint32_t>(20)), kFaintTextColor));
 }
 
 TEST(SheetPicture, FitsItsPlace) {

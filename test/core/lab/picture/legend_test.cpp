@@ -28,6 +28,18 @@ TEST(Legend, ColumnsFitTheNumbers) {
   EXPECT_EQ(legend_width(large) - legend_width(small), (5 + 4) * kTextAdvance);
 }
 
+TEST(Legend, OfASmallPictureHasRoomForADozenSegments) {
+  Raster raster(32, 24);
+  std::vector<std::uint32_t> labels(32 * 24);
+  for (std::uint32_t i = 0; i < labels.size(); ++i) raster.point[i] = i, labels[i] = 1 + i % 20;
+  const Image image = with_legend(blank_image(32, 24, 0x808080), raster, labels, SegmentColors());
+  EXPECT_GE(legend_room(20, static_cast<int>(image.height)), 12U);
+  const int few = static_cast<int>(
+      with_legend(blank_image(32, 24, 0), raster, std::vector<std::uint32_t>(labels.size(), 1), SegmentColors())
+          .height);
+  EXPECT_LT(few, static_cast<int>(image.height)) << "one segment needs less";
+}
+
 TEST(Legend, NumbersStandOnLargeSegmentsOnly) {
   Raster raster(100, 100);
   std::vector<std::uint32_t> labels(100 * 100, 1);
