@@ -185,7 +185,7 @@ void Batch::run_here() {
         if (!file) return;
         auto scene = load(*file);
         if (!scene.ok()) {
-          progress_.record_failure(*file, scene.status());
+          fail(*file, scene.status());
           continue;
         }
         const auto result = segment_here(scene->content);

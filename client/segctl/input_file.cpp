@@ -1,59 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/input_file.hpp"
 
-#include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <memory>
-#include <system_error>
+#include <cstdint>
 
+#include "client/segctl/interrupt.hpp"
+#include "core/base/input_bytes.hpp"
+#include "core/base/status_text.hpp"
 #include "fmt/format.h"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/stop_token.hpp"
 
 namespace segserve::segctl {
-namespace {
-
-struct Closer {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-
-absl::Status cannot_open(const std::string& path, int error) {
-  const std::string message = fmt::format("cannot read {}: {}", path, std::strerror(error));
-  return error == ENOENT || error == ENOTDIR ? absl::NotFoundError(message) : absl::UnavailableError(message);
-}
-
-absl::StatusOr<std::string> read_all(std::FILE* file, const std::string& path) {
-  constexpr std::uint64_t kMaxBytes = codec::DecodeLimits{}.max_bytes;
-  std::string bytes;
-  std::array<char, 1U << 16U> part{};
-  for (std::size_t count = 0; (count = std::fread(part.data(), 1, part.size(), file)) > 0;) {
-    bytes.append(part.data(), count);
-    if (bytes.size() > kMaxBytes) {
-      return absl::InvalidArgumentError(
-          fmt::format("{} is larger than the {} bytes that are allowed", input_name(path), kMaxBytes));
-    }
-  }
-  if (std::ferror(file) != 0) {
-    return absl::UnavailableError(fmt::format("cannot read {}: {}", input_name(path), std::strerror(errno)));
-  }
-  return bytes;
-}
-
-}  // namespace
 
 std::string input_name(const std::string& path) { return path == "-" ? "standard input" : path; }
 
 absl::StatusOr<std::string> read_input(const std::string& path) {
-  if (path == "-") return read_all(stdin, path);
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    return absl::InvalidArgumentError(fmt::format("cannot read {}: it is a folder", path));
+  constexpr std::uint64_t kMaxBytes = codec::DecodeLimits{}.max_bytes;
+  auto bytes = read_input_bytes(path, kMaxBytes, StopToken(&Interrupt::signal_flag()));
+  if (!bytes.ok()) {
+    return absl::Status(bytes.status().code(),
+                        fmt::format("cannot read {}: {}", input_name(path), message_of(bytes.status())));
   }
-  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path.c_str(), "rb"));
-  if (file == nullptr) return cannot_open(path, errno);
-  return read_all(file.get(), path);
+  if (bytes->size() <= kMaxBytes) return bytes;
+  return absl::InvalidArgumentError(
+      fmt::format("{} is larger than the {} bytes that are allowed", input_name(path), kMaxBytes));
 }
 
 }  // namespace segserve::segctl

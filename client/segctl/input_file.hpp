@@ -7,8 +7,9 @@
 
 namespace segserve::segctl {
 
-/// All bytes of a file, or of standard input for "-". The message of an error names the path: NOT_FOUND,
-/// INVALID_ARGUMENT (a folder, or larger than 4 GiB), or UNAVAILABLE if reading fails.
+/// All bytes of a file or pipe, or of standard input for "-" (core/base/input_bytes.hpp). The message of an error names
+/// the path: NOT_FOUND, INVALID_ARGUMENT (a folder, a device, or larger than 4 GiB), UNAVAILABLE if reading fails, or
+/// CANCELLED if a signal came while an Interrupt lives.
 absl::StatusOr<std::string> read_input(const std::string& path);
 
 /// The name of an input in messages: that of "-" is "standard input".

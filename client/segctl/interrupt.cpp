@@ -22,8 +22,11 @@ Interrupt::Interrupt() {
 Interrupt::~Interrupt() {
   sigaction(SIGINT, &old_int_, nullptr);
   sigaction(SIGTERM, &old_term_, nullptr);
+  signal_came = false;
 }
 
 const std::atomic<bool>& Interrupt::flag() const { return signal_came; }
+
+const std::atomic<bool>& Interrupt::signal_flag() { return signal_came; }
 
 }  // namespace segserve::segctl

@@ -19,6 +19,9 @@ class Interrupt {
   const std::atomic<bool>& flag() const;
   bool came() const { return flag(); }
 
+  /// The flag of the one that lives. It is not set if there is none, because the signal then ends the process.
+  static const std::atomic<bool>& signal_flag();
+
  private:
   struct sigaction old_int_ {
   }, old_term_{};

@@ -10,6 +10,11 @@
 namespace segserve::recording {
 
 absl::StatusOr<RecordingFile> RecordingFile::open(const std::string& path) {
+  constexpr const char* kNeedsFile = "a recording must be a regular file, because it is read twice";
+  // To open a pipe would wait for whoever writes into it.
+  if (struct stat state{}; stat(path.c_str(), &state) == 0 && !S_ISREG(state.st_mode)) {
+    return absl::InvalidArgumentError(fmt::format("cannot read {}: {}", path, kNeedsFile));
+  }
   RecordingFile file;
   file.path_ = path;
   file.file_.reset(std::fopen(path.c_str(), "rb"));
@@ -19,8 +24,7 @@ absl::StatusOr<RecordingFile> RecordingFile::open(const std::string& path) {
     return errno == ENOENT || errno == ENOTDIR ? absl::NotFoundError(message) : absl::UnavailableError(message);
   }
   if (!S_ISREG(status.st_mode)) {
-    return absl::InvalidArgumentError(
-        fmt::format("cannot read {}: a recording must be a regular file, because it is read twice", path));
+    return absl::InvalidArgumentError(fmt::format("cannot read {}: {}", path, kNeedsFile));
   }
   file.size_ = static_cast<std::uint64_t>(status.st_size);
   return file;

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/input_bytes.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "core/base/stop_check.hpp"
@@ -48,31 +49,13 @@ absl::Status open_error(const std::string& path, int error) {
   return with_prefix(path, absl::ErrnoToStatus(error, "cannot be opened"));
 }
 
-absl::StatusOr<std::vector<std::byte>> read_all(std::FILE* file, const DecodeLimits& limits) {
-  constexpr std::size_t kChunk = std::size_t{1} << 20U;
-  std::vector<std::byte> bytes;
-  std::size_t size = 0;
-  while (true) {
-    bytes.resize(std::max(size + kChunk, size + size / 2));
-    const std::size_t got = std::fread(bytes.data() + size, 1, bytes.size() - size, file);
-    size += got;
-    if (size > limits.max_bytes) {
-      return over_limit(fmt::format("it has more bytes than the limit of {}", limits.max_bytes),
-                        {"max_bytes", size, limits.max_bytes});
-    }
-    if (got == 0) break;
-  }
-  if (std::ferror(file) != 0) return absl::UnavailableError(fmt::format("reading failed: {}", std::strerror(errno)));
-  bytes.resize(size);
-  return bytes;
-}
-
-absl::StatusOr<std::vector<std::byte>> read_path(const std::string& path, const DecodeLimits& limits) {
-  const File file(path == kStandardStream ? stdin : std::fopen(path.c_str(), "rb"));
-  if (!file) return open_error(path, errno);
-  auto bytes = read_all(file.get(), limits);
+absl::StatusOr<std::string> read_path(const std::string& path, const DecodeLimits& limits, const StopToken& stop) {
+  auto bytes = read_input_bytes(path, limits.max_bytes, stop);
   if (!bytes.ok()) return with_prefix(path, bytes.status());
-  return bytes;
+  if (bytes->size() <= limits.max_bytes) return bytes;
+  const auto status = over_limit(fmt::format("it has more bytes than the limit of {}", limits.max_bytes),
+                                 {"max_bytes", bytes->size(), limits.max_bytes});
+  return with_prefix(path, status);
 }
 
 absl::Status write_path(const std::string& path, const std::string& bytes) {
@@ -168,10 +151,10 @@ bool is_cloud_file(const std::string& path) {
   return !error && is_lidar_scan(begin, size);
 }
 
-absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options,
-                                        const DecodeLimits& limits) {
-  ASSIGN_OR_RETURN(const std::vector<std::byte> bytes, read_path(path, limits));
-  auto cloud = decode_cloud(bytes, limits, options);
+absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options, const DecodeLimits& limits,
+                                        const StopToken& stop) {
+  ASSIGN_OR_RETURN(const std::string bytes, read_path(path, limits, stop));
+  auto cloud = decode_cloud(std::as_bytes(std::span(bytes)), limits, options, stop);
   if (!cloud.ok()) return with_prefix(path, cloud.status());
   return cloud;
 }

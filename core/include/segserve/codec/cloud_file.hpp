@@ -40,12 +40,12 @@ bool is_taken_as_pcd(std::span<const std::byte> bytes);
 /// begin as a table of points does, because most such files are notes.
 bool is_cloud_file(const std::string& path);
 
-/// Reads the file `path`, or standard input if the path is "-", and decodes its content with decode_cloud. The name of
-/// the file does not matter. NOT_FOUND or PERMISSION_DENIED if the file cannot be opened, UNAVAILABLE if reading it
-/// fails, INVALID_ARGUMENT if decode_cloud refuses its content or it is larger than a limit. Messages begin with the
-/// path.
+/// Reads the file or pipe `path`, or standard input if the path is "-", and decodes its content with decode_cloud. The
+/// name of the file does not matter. NOT_FOUND if there is no such file, UNAVAILABLE if reading it fails,
+/// INVALID_ARGUMENT if it is a folder, a device or a socket, if decode_cloud refuses its content, or if it is larger
+/// than a limit. A pipe is waited for until `stop` says CANCELLED or DEADLINE_EXCEEDED. Messages begin with the path.
 absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options = {},
-                                        const DecodeLimits& limits = {});
+                                        const DecodeLimits& limits = {}, const StopToken& stop = {});
 
 /// Writes a cloud to the file `path` in the format that its extension chooses (file_format_of). The path "-" writes PCD
 /// to standard output. What the format cannot hold is left out. INVALID_ARGUMENT for another extension, and if
