@@ -17,4 +17,8 @@ std::string fault_of_values(const CLI::Option& option, const CLI::ParseError& er
 /// that shows the help, and has no line feed.
 std::string usage_faults(CLI::App& app, const CLI::ParseError& error);
 
+/// Names the options of the command that were given with an empty value, as "--view-from is empty", in one line; empty
+/// if there is none. Scripts do so by a variable that is not set, and to most options an empty text is none at all.
+std::string empty_values(const CLI::App& app);
+
 }  // namespace segserve

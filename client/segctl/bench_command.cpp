@@ -12,6 +12,7 @@
 #include "client/segctl/bench_summary.hpp"
 #include "client/segctl/bench_text.hpp"
 #include "client/segctl/command.hpp"
+#include "client/segctl/output_kind.hpp"
 #include "client/segctl/server_info_json.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "core/base/status_macros.hpp"
@@ -58,10 +59,13 @@ segctl bench --soak 4h --rate 20 --metrics 127.0.0.1:9464)",
 absl::Status announce(const BenchArguments& arguments, StagedOutput& output) {
   RETURN_IF_ERROR(arguments.json.announce(output));
   RETURN_IF_ERROR(arguments.html.announce(output));
-  for (const std::string& path : {arguments.csv, arguments.hdr_log}) {
-    if (!path.empty()) RETURN_IF_ERROR(output.announce(path));
+  if (!arguments.csv.empty()) {
+    RETURN_IF_ERROR(output.announce(arguments.csv));
+    RETURN_IF_ERROR(check_output_name("--csv", arguments.csv, OutputKind::kCsv));
   }
-  return absl::OkStatus();
+  if (arguments.hdr_log.empty()) return absl::OkStatus();
+  RETURN_IF_ERROR(output.announce(arguments.hdr_log));
+  return check_output_name("--hdr-log", arguments.hdr_log, OutputKind::kHistogramLog);
 }
 
 absl::Status run(const BenchArguments& arguments) {

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "client/segctl/output_kind.hpp"
 #include "client/segctl/page_bundle.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/lab/view_page/page_data.hpp"
@@ -19,7 +20,8 @@ void BenchHtmlFlag::add_to(CLI::App& app) {
 absl::Status BenchHtmlFlag::announce(StagedOutput& output) const {
   if (!given()) return absl::OkStatus();
   RETURN_IF_ERROR(bench_page_bundle().status());
-  return output.announce(path_);
+  RETURN_IF_ERROR(output.announce(path_));
+  return check_output_name("--html", path_, OutputKind::kPage);
 }
 
 absl::Status BenchHtmlFlag::add(StagedOutput& output, const nlohmann::ordered_json& run) const {

@@ -78,6 +78,7 @@ absl::Status announce_outputs(const CutArguments& arguments, StagedOutput& outpu
   if (arguments.segments && (arguments.cloud_path.empty() || !arguments.json.given())) {
     return absl::InvalidArgumentError("--segments needs --cloud, the cloud that was segmented, and --json");
   }
+  RETURN_IF_ERROR(arguments.scene_output.check_cloud_flags(arguments.split_output.wanted()));
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
   RETURN_IF_ERROR(arguments.split_output.announce(output));
   RETURN_IF_ERROR(arguments.dendrogram.announce(output));

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "client/segctl/output_kind.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/lab/picture/dendrogram.hpp"
 #include "core/lab/picture/picture.hpp"
@@ -19,7 +20,9 @@ void DendrogramFlag::add_to(CLI::App& app) {
 }
 
 absl::Status DendrogramFlag::announce(StagedOutput& output) const {
-  return path_.empty() ? absl::OkStatus() : output.announce(path_);
+  if (path_.empty()) return absl::OkStatus();
+  RETURN_IF_ERROR(output.announce(path_));
+  return check_output_name("--dendrogram", path_, OutputKind::kPicture);
 }
 
 absl::Status DendrogramFlag::add(StagedOutput& output, const client::Result& result, const codec::LabeledCloud* scene,

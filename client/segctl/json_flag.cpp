@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "client/segctl/output_kind.hpp"
 #include "nlohmann/json.hpp"
 
 namespace segserve::segctl {
@@ -18,7 +19,9 @@ void JsonFlag::add_to(CLI::App& app, const std::string& help) {
 }
 
 absl::Status JsonFlag::announce(StagedOutput& output) const {
-  return given() ? output.announce(path_) : absl::OkStatus();
+  if (!given()) return absl::OkStatus();
+  RETURN_IF_ERROR(output.announce(path_));
+  return check_output_name("--json", path_, OutputKind::kJson);
 }
 
 void JsonFlag::add(StagedOutput& output, std::string text) const {

@@ -61,6 +61,11 @@ int run(int argc, char** argv) {
     print_error(segserve::usage_faults(app, error));
     return kBadInput;
   }
+  const std::string empty = segserve::empty_values(app);
+  if (!empty.empty()) {
+    print_error(empty);
+    return kBadInput;
+  }
   const absl::Status status = chosen();
   if (!status.ok()) print_error(segserve::message_of(status) + advice(status));
   return exit_code(status);

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "client/segctl/output_kind.hpp"
 #include "core/base/status_macros.hpp"
 
 namespace segserve::segctl {
@@ -32,9 +33,13 @@ std::string PageFlags::picture_folder() const {
 }
 
 absl::Status PageFlags::announce(StagedOutput& output) const {
-  if (!html_.empty()) RETURN_IF_ERROR(output.announce(html_));
+  if (!html_.empty()) {
+    RETURN_IF_ERROR(output.announce(html_));
+    RETURN_IF_ERROR(check_output_name("--html", html_, OutputKind::kPage));
+  }
   if (markdown_.empty()) return absl::OkStatus();
   RETURN_IF_ERROR(output.announce(markdown_));
+  RETURN_IF_ERROR(check_output_name("--markdown", markdown_, OutputKind::kMarkdown));
   return markdown_ == "-" || worst_ == 0 ? absl::OkStatus() : output.announce_folder(picture_folder());
 }
 

@@ -86,6 +86,7 @@ absl::Status run(const PickArguments& arguments) {
   StagedOutput output;
   RETURN_IF_ERROR(output.protect({arguments.result_path}, true));
   RETURN_IF_ERROR(output.protect({arguments.cloud_path}));
+  RETURN_IF_ERROR(arguments.scene_output.check_cloud_flags(false));
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
   RETURN_IF_ERROR(arguments.json.announce(output));
   ASSIGN_OR_RETURN(const Prompts prompts, arguments.prompts.prompts());

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/segctl/messages.hpp"
+#include "client/segctl/output_kind.hpp"
 #include "client/segctl/point_subset.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
@@ -53,6 +54,12 @@ void add_picture(StagedOutput& output, const std::string& path, const CloudView&
   output.add(path, [image](const std::string& target) { return picture::write_png(target, *image); });
 }
 
+absl::Status announce_picture(std::string_view flag, const std::string& path, StagedOutput& output) {
+  if (path.empty()) return absl::OkStatus();
+  RETURN_IF_ERROR(output.announce(path));
+  return check_output_name(flag, path, OutputKind::kPicture);
+}
+
 /// The position X,Y,Z that --view-from gives, in meters along the axes of the file.
 absl::StatusOr<Eigen::Vector3d> parse_view_from(const std::string& text) {
   constexpr double kFarthest = 1e8;  // also of places on a globe
@@ -81,21 +88,21 @@ void SceneOutput::add_to(CLI::App& app) {
                      ", of a recording .mcap; - is PCD to standard output")
       ->type_name("FILE")
       ->group("Output");
-  app.add_option("--encoding", encoding_,
-                 "encoding of that file, if it is PCD or PLY; binary_compressed is for PCD only")
-      ->check(CLI::IsMember({"ascii", "binary", "binary_compressed"}))
+  CLI::Option* encoding = app.add_option(
+      "--encoding", encoding_, "encoding of that file, if it is PCD or PLY; binary_compressed is for PCD only");
+  encoding->check(CLI::IsMember({"ascii", "binary", "binary_compressed"}))
       ->type_name("NAME")
       ->capture_default_str()
       ->group("Output");
-  app.add_option("--color", color_, "colors in that file: the points' own, or those of their segments")
-      ->check(CLI::IsMember({"own", "segment"}))
-      ->type_name("NAME")
-      ->capture_default_str()
-      ->group("Output");
-  app.add_flag("--drop-unlabeled", drop_unlabeled_,
-               "leave points with label 0 out of that file, which then has no rows and columns")
-      ->group("Output");
-  app.add_flag("--drop-unlabelled", drop_unlabeled_)->group("");  // its name of version 0.1
+  CLI::Option* color =
+      app.add_option("--color", color_, "colors in that file: the points' own, or those of their segments");
+  color->check(CLI::IsMember({"own", "segment"}))->type_name("NAME")->capture_default_str()->group("Output");
+  CLI::Option* drop = app.add_flag("--drop-unlabeled", drop_unlabeled_,
+                                   "leave points with label 0 out of that file, which then has no rows and columns");
+  drop->group("Output");
+  CLI::Option* old_drop = app.add_flag("--drop-unlabelled", drop_unlabeled_);  // its name of version 0.1
+  old_drop->group("");
+  cloud_options_ = {encoding, color, drop, old_drop};
   app.add_option("--picture", picture_path_, "write a picture of the labels: PNG; - is standard output")
       ->type_name("FILE")
       ->group("Output");
@@ -117,6 +124,16 @@ absl::Status SceneOutput::check_without_pictures() const {
   return absl::InvalidArgumentError("--legend and --view-from are for the pictures of one cloud");
 }
 
+absl::Status SceneOutput::check_cloud_flags(bool writes_other_clouds) const {
+  if (writes_other_clouds || !cloud_path_.empty()) return absl::OkStatus();
+  for (const CLI::Option* option : cloud_options_) {
+    if (option->count() == 0) continue;
+    return absl::InvalidArgumentError(
+        fmt::format("{} says how a cloud is written, and none is: -o FILE writes one", option->get_name()));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status SceneOutput::announce(StagedOutput& output) const {
   if (!view_from_.empty()) RETURN_IF_ERROR(parse_view_from(view_from_).status());
   if (!view_from_.empty() && !wants_picture()) {
@@ -125,10 +142,8 @@ absl::Status SceneOutput::announce(StagedOutput& output) const {
   if (legend_ && picture_path_.empty()) return absl::InvalidArgumentError("--legend needs --picture");
   if (!cloud_path_.empty()) RETURN_IF_ERROR(check_format());
   if (!cloud_path_.empty()) RETURN_IF_ERROR(output.announce_labeled_cloud(cloud_path_));
-  for (const std::string& path : {picture_path_, plain_picture_path_}) {
-    if (!path.empty()) RETURN_IF_ERROR(output.announce(path));
-  }
-  return absl::OkStatus();
+  RETURN_IF_ERROR(announce_picture("--picture", picture_path_, output));
+  return announce_picture("--plain-picture", plain_picture_path_, output);
 }
 
 absl::Status SceneOutput::check_format() const {
@@ -158,8 +173,7 @@ absl::StatusOr<codec::EncodedFile> SceneOutput::encode(const codec::LabeledCloud
                                                        codec::FileFormat format) const {
   codec::LabeledCloud kept;
   if (drop_unlabeled_) kept = labeled_points(scene, labels);
-  codec::FileContent content =
-      drop_unlabeled_ ? codec::content_of(kept, kept.label) : codec::content_of(scene, labels);
+  codec::FileContent content = drop_unlabeled_ ? codec::content_of(kept, kept.label) : codec::content_of(scene, labels);
   std::vector<std::uint32_t> colors;
   if (color_ == "segment") {
     colors = segment_colors(content.label);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/status.h"
@@ -31,6 +32,10 @@ class SceneOutput {
   /// INVALID_ARGUMENT for flags of pictures where there are none.
   absl::Status check_without_pictures() const;
 
+  /// INVALID_ARGUMENT for flags that say how clouds are written if none is. `writes_other_clouds` tells that the
+  /// command calls encode_pcd for other files than that of --output.
+  absl::Status check_cloud_flags(bool writes_other_clouds) const;
+
   /// Checks the flags and announces the files.
   absl::Status announce(StagedOutput& output) const;
 
@@ -57,6 +62,7 @@ class SceneOutput {
   std::string encoding_ = "binary";
   std::string color_ = "own";
   bool drop_unlabeled_ = false;
+  std::vector<const CLI::Option*> cloud_options_;  ///< those of check_cloud_flags
   std::string picture_path_;
   std::string plain_picture_path_;
   std::string view_from_;

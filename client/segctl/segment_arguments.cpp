@@ -101,6 +101,7 @@ absl::Status SegmentArguments::check_combination() const {
         "--request-id and RGB-D images");
   }
   if (many || track.track) RETURN_IF_ERROR(scene_output.check_without_pictures());
+  RETURN_IF_ERROR(scene_output.check_cloud_flags(split_output.wanted() || !out_dir.empty()));
   if (track.track && (!contact_sheet.empty() || dendrogram.given())) {
     return absl::InvalidArgumentError("--track excludes --contact-sheet and --dendrogram");
   }
@@ -134,6 +135,9 @@ absl::Status SegmentArguments::check_combination() const {
   }
   if (local && server.server_given()) {
     return absl::InvalidArgumentError("--local and --server exclude each other");
+  }
+  if (const auto flag = server.connection_flag(); local && flag) {
+    return absl::InvalidArgumentError(fmt::format("{} is for a server: not together with --local", *flag));
   }
   if (local && fallback_local) {
     return absl::InvalidArgumentError("--local and --fallback-local exclude each other: --local asks no server");

@@ -15,6 +15,7 @@
 #include "client/segctl/command.hpp"
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/output_folder.hpp"
+#include "client/segctl/output_kind.hpp"
 #include "client/segctl/segment_arguments.hpp"
 #include "client/segctl/segment_many.hpp"
 #include "client/segctl/segment_recording.hpp"
@@ -109,7 +110,10 @@ absl::Status announce_outputs(const SegmentArguments& arguments, StagedOutput& o
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
   RETURN_IF_ERROR(arguments.split_output.announce(output));
   RETURN_IF_ERROR(arguments.dendrogram.announce(output));
-  if (!arguments.result_path.empty()) RETURN_IF_ERROR(output.announce(arguments.result_path));
+  if (!arguments.result_path.empty()) {
+    RETURN_IF_ERROR(output.announce(arguments.result_path));
+    RETURN_IF_ERROR(check_output_name("--result", arguments.result_path, OutputKind::kResult));
+  }
   return arguments.json.announce(output);
 }
 

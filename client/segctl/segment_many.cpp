@@ -12,6 +12,7 @@
 
 #include "client/segctl/batch.hpp"
 #include "client/segctl/output_folder.hpp"
+#include "client/segctl/output_kind.hpp"
 #include "client/segctl/sheet_collector.hpp"
 #include "client/segctl/staged_output.hpp"
 #include "core/base/status_macros.hpp"
@@ -54,7 +55,9 @@ absl::Status check_outputs(const SegmentArguments& arguments, const std::vector<
   StagedOutput output;
   for (const BatchInput& input : inputs) RETURN_IF_ERROR(output.protect({input.path}, true));
   RETURN_IF_ERROR(arguments.json.announce(output));
-  return arguments.contact_sheet.empty() ? absl::OkStatus() : output.announce(arguments.contact_sheet);
+  if (arguments.contact_sheet.empty()) return absl::OkStatus();
+  RETURN_IF_ERROR(output.announce(arguments.contact_sheet));
+  return check_output_name("--contact-sheet", arguments.contact_sheet, OutputKind::kPicture);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/server_flags.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
@@ -28,27 +29,38 @@ void ServerFlags::add_to(CLI::App& app, double default_timeout_s) {
                         ->type_name("SECONDS")
                         ->capture_default_str()
                         ->group("Server");
-  app.add_flag("--use-proxy", use_proxy_, "connect through the proxy of the environment, but never to this machine")
-      ->group("Server");
-  app.add_flag("--tls", use_tls_, "encrypt the connection; the authorities of this system confirm who the server is")
-      ->group("Server");
-  app.add_option("--tls-ca", tls_.ca_file, "encrypt it; the authorities of this file in PEM confirm who the server is")
-      ->type_name("FILE")
-      ->group("Server");
-  app.add_option("--tls-cert", tls_.cert_file, "encrypt it, and show the server this certificate in PEM")
-      ->type_name("FILE")
-      ->group("Server");
-  app.add_option("--tls-key", tls_.key_file, "the private key of that certificate")->type_name("FILE")->group("Server");
-  app.add_option("--tls-server-name", tls_.server_name, "encrypt it, and expect this name in the server's certificate")
-      ->type_name("NAME")
-      ->group("Server");
-  app.add_option("--token-file", token_file_,
-                 "file that holds the bearer token for the server; a token itself is taken from SEGCTL_TOKEN")
-      ->type_name("FILE")
-      ->group("Server");
-  app.add_flag("--insecure-token", insecure_token_,
-               "send the token to other machines even as plain text, where whoever listens in can use it")
-      ->group("Server");
+  const auto add_connection = [&](CLI::Option* option) {
+    option->group("Server");
+    connection_options_.push_back(option);
+    return option;
+  };
+  add_connection(app.add_flag("--use-proxy", use_proxy_,
+                              "connect through the proxy of the environment, but never to this machine"));
+  add_connection(app.add_flag("--tls", use_tls_,
+                              "encrypt the connection; the authorities of this system confirm who the server is"));
+  add_connection(app.add_option("--tls-ca", tls_.ca_file,
+                                "encrypt it; the authorities of this file in PEM confirm who the server is"))
+      ->type_name("FILE");
+  add_connection(
+      app.add_option("--tls-cert", tls_.cert_file, "encrypt it, and show the server this certificate in PEM"))
+      ->type_name("FILE");
+  add_connection(app.add_option("--tls-key", tls_.key_file, "the private key of that certificate"))->type_name("FILE");
+  add_connection(app.add_option("--tls-server-name", tls_.server_name,
+                                "encrypt it, and expect this name in the server's certificate"))
+      ->type_name("NAME");
+  add_connection(app.add_option("--token-file", token_file_,
+                                "file that holds the bearer token for the server; a token itself is taken from "
+                                "SEGCTL_TOKEN"))
+      ->type_name("FILE");
+  add_connection(app.add_flag("--insecure-token", insecure_token_,
+                              "send the token to other machines even as plain text, where whoever listens in can use "
+                              "it"));
+}
+
+std::optional<std::string> ServerFlags::connection_flag() const {
+  const auto given =
+      std::ranges::find_if(connection_options_, [](const CLI::Option* option) { return option->count() > 0; });
+  return given == connection_options_.end() ? std::nullopt : std::optional((*given)->get_name());
 }
 
 absl::StatusOr<std::chrono::milliseconds> ServerFlags::timeout() const {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "CLI/CLI.hpp"
 #include "absl/status/statusor.h"
@@ -20,6 +22,8 @@ class ServerFlags {
   bool server_given() const { return server_option_->count() > 0; }
   bool timeout_given() const { return timeout_option_->count() > 0; }
   const std::string& address() const { return address_; }
+  /// The first flag that was given and says how to connect, such as --tls-ca.
+  std::optional<std::string> connection_flag() const;
 
   /// INVALID_ARGUMENT unless it is at least a millisecond and at most a day.
   absl::StatusOr<std::chrono::milliseconds> timeout() const;
@@ -39,6 +43,7 @@ class ServerFlags {
   bool insecure_token_ = false;
   CLI::Option* server_option_ = nullptr;
   CLI::Option* timeout_option_ = nullptr;
+  std::vector<const CLI::Option*> connection_options_;  ///< those of connection_flag
 };
 
 /// The status of a call; if no server was in reach, the message also says that --local works without one.

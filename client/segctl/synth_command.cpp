@@ -397,6 +397,7 @@ absl::Status run(const SynthArguments& arguments) {
     return absl::InvalidArgumentError("--depth does not go with --lidar, which is no camera; use -o for its points");
   }
   StagedOutput output;
+  RETURN_IF_ERROR(arguments.scene_output.check_cloud_flags(false));
   RETURN_IF_ERROR(arguments.scene_output.announce(output));
   RETURN_IF_ERROR(arguments.rgbd_output.announce(output));
   RETURN_IF_ERROR(arguments.json.announce(output));

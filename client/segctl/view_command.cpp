@@ -13,6 +13,7 @@
 #include "client/segctl/command.hpp"
 #include "client/segctl/input_file.hpp"
 #include "client/segctl/option_flags.hpp"
+#include "client/segctl/output_kind.hpp"
 #include "client/segctl/page_bundle.hpp"
 #include "client/segctl/saved_result.hpp"
 #include "client/segctl/staged_output.hpp"
@@ -45,6 +46,8 @@ finite coordinates are left out.)",
       .exit_codes = "0 success; 1 the operation failed (disk full); 2 bad input or usage."};
 }
 
+constexpr const char* kSegmentation = "Segmentation";
+
 struct ViewArguments {
   std::vector<std::string> inputs;
   std::vector<std::string> clouds;
@@ -54,11 +57,15 @@ struct ViewArguments {
   std::string view;
   UnitFlag unit;
   bool quiet = false;
+  const CLI::App* command = nullptr;
 
   void add_to(CLI::App& app);
+  /// INVALID_ARGUMENT for flags that have no effect on such inputs.
+  absl::Status check_effects(bool has_results, bool has_clouds) const;
 };
 
 void ViewArguments::add_to(CLI::App& app) {
+  command = &app;
   app.add_option("INPUT", inputs, "one or two: files of clouds, or what segctl segment --result saved")
       ->type_name("FILE")
       ->expected(1, 2)
@@ -73,13 +80,26 @@ void ViewArguments::add_to(CLI::App& app) {
       ->group("Input");
   app.add_option("--compare", compare, "segment the cloud by this method, too, and show both side by side")
       ->type_name("METHOD")
-      ->group("Segmentation");
+      ->group(kSegmentation);
   options.add_to(app);
   app.add_option("--view", view, "where the sensor of a cloud is: camera, world, or world:X,Y,Z in meters")
       ->type_name("VIEW")
-      ->group("Segmentation");
-  unit.add_to(app, "Segmentation");
+      ->group(kSegmentation);
+  unit.add_to(app, kSegmentation);
   app.add_flag("-q,--quiet", quiet, "print no summary")->group("Output");
+}
+
+absl::Status ViewArguments::check_effects(bool has_results, bool has_clouds) const {
+  if (!has_results && !clouds.empty()) {
+    return absl::InvalidArgumentError("--cloud is for saved results: INPUT is a cloud itself");
+  }
+  if (has_clouds) return absl::OkStatus();
+  for (const CLI::Option* option : command->get_options()) {
+    if (option->count() == 0 || option->get_group() != kSegmentation) continue;
+    return absl::InvalidArgumentError(fmt::format(
+        "{} is for clouds that are segmented: a saved result has its segments already", option->get_name()));
+  }
+  return absl::OkStatus();
 }
 
 /// The last part of a path.
@@ -147,22 +167,39 @@ absl::Status add_segmented(const ViewArguments& arguments, const std::string& in
   return absl::OkStatus();
 }
 
-absl::Status add_input(const ViewArguments& arguments, std::size_t index, Shown& shown) {
-  const std::string& input = arguments.inputs[index];
-  ASSIGN_OR_RETURN(const std::string bytes, read_input(input));
-  if (is_saved_result(bytes)) {
-    ASSIGN_OR_RETURN(SavedResult saved, decode_saved_result(bytes, input_name(input)));
+/// An input that was read.
+struct Input {
+  std::string path;
+  std::string bytes;
+  bool is_result() const { return is_saved_result(bytes); }
+};
+
+absl::Status add_input(const ViewArguments& arguments, const Input& input, std::size_t index, Shown& shown) {
+  if (input.is_result()) {
+    ASSIGN_OR_RETURN(SavedResult saved, decode_saved_result(input.bytes, input_name(input.path)));
     ASSIGN_OR_RETURN(const std::size_t cloud, add_cloud_of(arguments, index, saved, shown));
-    shown.add(short_name(input), cloud, std::move(saved.result));
+    shown.add(short_name(input.path), cloud, std::move(saved.result));
     return absl::OkStatus();
   }
   codec::ReadOptions read{.view = std::nullopt, .unit = arguments.unit.unit()};
   if (!arguments.view.empty()) {
     ASSIGN_OR_RETURN(read.view, parse_view(arguments.view));
   }
-  auto scene = codec::decode_cloud(std::as_bytes(std::span(bytes)), {}, read);
-  if (!scene.ok()) return with_prefix(input_name(input), scene.status());
-  return add_segmented(arguments, input, *std::move(scene), shown);
+  auto scene = codec::decode_cloud(std::as_bytes(std::span(input.bytes)), {}, read);
+  if (!scene.ok()) return with_prefix(input_name(input.path), scene.status());
+  return add_segmented(arguments, input.path, *std::move(scene), shown);
+}
+
+/// Reads all inputs, and checks that no flag is without effect on them.
+absl::StatusOr<std::vector<Input>> read_inputs(const ViewArguments& arguments) {
+  std::vector<Input> inputs;
+  for (const std::string& path : arguments.inputs) {
+    ASSIGN_OR_RETURN(std::string bytes, read_input(path));
+    inputs.push_back({path, std::move(bytes)});
+  }
+  const auto results = std::ranges::count_if(inputs, &Input::is_result);
+  RETURN_IF_ERROR(arguments.check_effects(results > 0, results < std::ssize(inputs)));
+  return inputs;
 }
 
 std::string summary(const std::string& output, const std::string& page, const Shown& shown) {
@@ -183,8 +220,10 @@ absl::Status run(const ViewArguments& arguments) {
   StagedOutput output;
   RETURN_IF_ERROR(output.protect(arguments.inputs, true));
   RETURN_IF_ERROR(output.announce(arguments.output));
+  RETURN_IF_ERROR(check_output_name("-o", arguments.output, OutputKind::kPage));
   Shown shown;
-  for (std::size_t i = 0; i < arguments.inputs.size(); ++i) RETURN_IF_ERROR(add_input(arguments, i, shown));
+  ASSIGN_OR_RETURN(const std::vector<Input> inputs, read_inputs(arguments));
+  for (std::size_t i = 0; i < inputs.size(); ++i) RETURN_IF_ERROR(add_input(arguments, inputs[i], i, shown));
   ASSIGN_OR_RETURN(std::string page, view_page::make_page(bundle, short_name(arguments.inputs.front()) + " - segserve",
                                                           shown.page_clouds, shown.page_results));
   const bool tells = !arguments.quiet && !output.uses_stdout();

@@ -20,6 +20,7 @@ class Program {
     CLI::App* paint = app_.add_subcommand("paint", "");
     paint->add_option("FILE", file_)->required();
     CLI::Option* width = paint->add_option("--width", width_)->type_name("NUMBER");
+    paint->add_option("--title", title_);
     paint->add_option("--count", count_)->check(not_negative());
     paint->add_option("--brush", brush_)->check(CLI::Range(1, 8))->needs(width);
     paint->add_flag("--dry", dry_)->excludes(width);
@@ -36,9 +37,15 @@ class Program {
     return "";
   }
 
+  /// Tells which values of these arguments are empty.
+  std::string empty(std::vector<std::string> arguments) {
+    app_.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    return empty_values(app_);
+  }
+
  private:
   CLI::App app_{"", "art"};
-  std::string file_;
+  std::string file_, title_;
   std::optional<double> width_;
   std::uint32_t count_ = 0;
   int brush_ = 1, copies_ = 1;
@@ -81,6 +88,13 @@ TEST(UsageFaults, TellWhatIsMissingAndWhatDoesNotFit) {
             "--count: 99999999999999999999 is too large (see art paint --help)");
   EXPECT_EQ(faults({"paint", "a", "--count", "-1"}),
             "--count: -1 is negative, but must be a whole number of at least 0 (see art paint --help)");
+}
+
+TEST(EmptyValues, AreToldByTheirOptions) {
+  EXPECT_EQ(Program().empty({"paint", "a", "--title", "", "--width", "2"}), "--title is empty");
+  EXPECT_EQ(Program().empty({"paint", "", "--title", ""}), "FILE is empty; --title is empty");
+  EXPECT_EQ(Program().empty({"paint", "a", "--dry"}), "") << "a flag has no value";
+  EXPECT_EQ(Program().empty({"paint", "a", "--title", " "}), "");
 }
 
 }  // namespace

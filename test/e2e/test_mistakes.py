@@ -40,6 +40,36 @@ class CommandLine(EndToEnd):
         self.assertEqual(*written)
         self.assertNotIn(b"labelled", self.run_well("cut", "--help-all").stdout)
 
+    def test_a_name_that_promises_another_format_is_refused_before_any_work(self):
+        scene = self.path("no such scene.pcd")  # would be told, too, if it were read
+        for said, *arguments in (
+                ("--json x.png: the summary is written as JSON, so that the name must not end in .png", "segment", scene, "--json", "x.png"),
+                ("--json x.json.gz: the summary is written as JSON", "segment", scene, "--json", "x.json.gz"),
+                ("--result x.pcd: the result is written in a format of its own", "segment", scene, "--result", "x.pcd"),
+                ("-o x.pdf: a page is written as HTML, so that the name must end in .html or .htm", "view", scene, "-o", "x.pdf"),
+                ("--html x.md: a page is written as HTML", "eval", "--data", self.folder, "--html", "x.md"),
+                ("--markdown x.html: the tables are written as Markdown", "eval", "--data", self.folder, "--markdown", "x.html"),
+                ("--csv x.png: the timeline is written as CSV", "bench", "--csv", "x.png"),
+                ("--html x.json: a page is written as HTML", "bench", "show", scene, "--html", "x.json")):
+            self.assertIn(said, self.run_badly(BAD_INPUT, *arguments))
+
+    def test_an_empty_value_is_told(self):
+        self.refuse("--picture is empty; --json is empty", "segment", "x.pcd", "--picture", "", "--json", "")
+
+    def test_a_flag_without_effect_is_told(self):
+        scene, result = self.synth(*SMALL), self.path("result")
+        self.run_well("segment", scene, "--local", "-q", "--result", result)
+        for said, *arguments in (
+                ("--color says how a cloud is written, and none is: -o FILE writes one", "segment", scene, "--color", "segment"),
+                ("--encoding says how a cloud is written", "segment", scene, "--encoding", "binary", "--picture", "x.png"),
+                ("--drop-unlabeled says how a cloud is written", "cut", result, "--regions", "2", "--drop-unlabeled"),
+                ("--color says how a cloud is written", "synth", "--picture", "x.png", "--color", "own"),
+                ("--tls-ca is for a server: not together with --local", "segment", scene, "--local", "--tls-ca", "x.pem"),
+                ("--compare is for clouds that are segmented", "view", result, "--cloud", scene, "-o", "x.html", "--compare", "color"),
+                ("--threshold is for clouds that are segmented", "view", result, "--cloud", scene, "-o", "x.html", "--threshold", "0.1"),
+                ("--cloud is for saved results", "view", scene, "--cloud", scene, "-o", "x.html")):
+            self.assertIn(said, self.run_badly(BAD_INPUT, *arguments))
+
     def test_everything_wrong_is_told_at_once(self):
         self.refuse("unknown option --bogus-flag; --threshold: 'high' is no number; --regions: 'few' is no whole number; "
                     "--parallel needs --out-dir (see segctl segment --help)",
@@ -67,6 +97,8 @@ class CommandLine(EndToEnd):
         link.symlink_to(scene)
         folder.mkdir()
         (folder / "a.pcd").hardlink_to(scene)
+        twin = self.path("twin")  # whose name tells no format
+        twin.hardlink_to(scene)
         result = self.path("scene.segres")
         self.run_well("segment", scene, "--local", "--result", result)
         self.run_well("synth", *SMALL, "--rig", rig)
@@ -81,8 +113,8 @@ class CommandLine(EndToEnd):
                         ("cut", result, "--threshold", "0.5", "--cloud", scene, "--picture", scene),
                         ("pick", result, "--cloud", scene, "--include", "80,60", "--json", scene),
                         ("info", scene, "--json", scene), ("stream", scene, "--json", link),
-                        ("eval", "--data", folder, "--json", folder / "a.pcd"),
-                        ("segment", folder, "--local", "--track", "--json", scene)):
+                        ("eval", "--data", folder, "--json", twin),
+                        ("segment", folder, "--local", "--track", "--json", twin)):
             with self.subTest(command=command):
                 self.assertIn("would be overwritten by an output", self.run_badly(BAD_INPUT, *command))
         self.assertEqual(scene.read_bytes(), before)

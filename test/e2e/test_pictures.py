@@ -78,6 +78,11 @@ class Pictures(EndToEnd):
                              ("--legend needs --picture", "--legend"),
                              ("for the pictures of one cloud", "--out-dir", self.path("out"), "--view-from", "1,2,3"),
                              ("for the pictures of one cloud", "--contact-sheet", "x.png", "--legend"),
+                             ("--picture x.jpg: a picture is written as PNG, so that the name must end in .png", "--picture", "x.jpg"),
+                             ("--plain-picture x.PDF: a picture is written as PNG", "--plain-picture", "x.PDF"),
+                             ("--dendrogram x.json: a picture is written as PNG", "--dendrogram", "x.json"),
+                             ("--contact-sheet x.jpeg: a picture is written as PNG", "--contact-sheet", "x.jpeg"),
+                             ("--view-from is empty", "--picture", "x.png", "--view-from", ""),
                              ("no/tree.png", "--dendrogram", self.folder / "no/tree.png"),
                              ("--dendrogram", "--out-dir", self.path("out"), "--dendrogram", "x.png")):
             with self.subTest(said=said):
