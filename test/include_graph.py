@@ -42,7 +42,7 @@ LAYERS = {
     "tls": [*PUBLIC_CORE, "core/base"],
     "credentials": [*PUBLIC_CORE, "core/base"],
     "server": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "command_line", "credentials", "tls", "server/http"],
-    "server/http": [*PUBLIC_CORE, "core/base", "core/lab", "proto", "proto/include", "client/page", "credentials", "tls", "server"],
+    "server/http": [*PUBLIC_CORE, "core/base", "core/lab", "proto", "proto/include", "client/page", "command_line", "credentials", "tls", "server"],
     "client/page": [],
     "client/include": [*PUBLIC_CORE, "proto/include", "proto/generated"],
     "client/fleet": [*PUBLIC_CORE, "core/base", "proto", "proto/include", "client/include"],

@@ -60,19 +60,20 @@ std::optional<codec::Placement> read_placement(const v1::Placement& message) {
   return good ? std::optional(placement) : std::nullopt;
 }
 
+/// What tells lengths, by the name that it has in the API, in HTTP and, with dashes, on the command line.
+constexpr std::string_view kUnit = "the unit of the coordinates (unit, or depth_scale of a depth image)";
+
 std::string too_sparse(const Segmentation& segmentation, const Resolution& used) {
   constexpr double kLargest = 1;  // meters; larger voxels cannot be asked for
   const double fitting = *segmentation.fitting_resolution;
   if (fitting > kLargest) {
-    return fmt::format(
-        "the points are too far apart even for the largest voxels, of {:g} m: the unit of the coordinates (--unit) is "
-        "probably wrong",
-        kLargest);
+    return fmt::format("the points are too far apart even for the largest voxels, of {:g} m: {} is probably wrong",
+                       kLargest, kUnit);
   }
   std::string text = fmt::format(
-      "nearly every voxel holds a single point ({} points, {} voxels): the unit of the "
-      "coordinates (--unit) or voxel_resolution ({:g} m) is probably wrong; ",
-      segmentation.segmented_points, segmentation.voxels, used.voxel);
+      "nearly every voxel holds a single point ({} points, {} voxels): {} or voxel_resolution ({:g} m) is probably "
+      "wrong; ",
+      segmentation.segmented_points, segmentation.voxels, kUnit, used.voxel);
   return text + fmt::format("at {:g} m a voxel would hold four points or more, with a seed_resolution of {:g} m",
                             fitting, fitting * used.seed / used.voxel);
 }
@@ -97,10 +98,9 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation) {
                         "no point was segmented: all of them are not finite, no measurements, or outside the crop box "
                         "or the range"});
   } else if (segmentation.segmented_points >= kManyPoints && segmentation.voxels < kFewVoxels) {
-    warnings.push_back(
-        {WarningReason::kTooDense, fmt::format("{} points lie in {} voxels: the unit of the coordinates (--unit) or "
-                                               "voxel_resolution ({:g} m) is probably wrong",
-                                               segmentation.segmented_points, segmentation.voxels, used.voxel)});
+    warnings.push_back({WarningReason::kTooDense,
+                        fmt::format("{} points lie in {} voxels: {} or voxel_resolution ({:g} m) is probably wrong",
+                                    segmentation.segmented_points, segmentation.voxels, kUnit, used.voxel)});
   } else if (segmentation.fitting_resolution) {
     warnings.push_back({WarningReason::kTooSparse, too_sparse(segmentation, used)});
   }

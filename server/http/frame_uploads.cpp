@@ -118,7 +118,9 @@ absl::StatusOr<codec::RgbdImages> images_of(const FileRequest& request, std::str
                                     : part.name == "color" ? &images.color
                                                            : nullptr;
     if (image == nullptr) {
-      faults.push_back({part.name.substr(0, 64), "is no part of the form, which has depth and color"});
+      faults.push_back({part.name.substr(0, 64), is_segment_parameter(part.name)
+                                                     ? "is a parameter of the query, and no part of the form"
+                                                     : "is no part of the form, which has depth and color"});
     } else if (!image->empty()) {
       faults.push_back({part.name, "is given twice"});
     } else {
@@ -128,6 +130,9 @@ absl::StatusOr<codec::RgbdImages> images_of(const FileRequest& request, std::str
   const SegmentParameters& parameters = request.parameters;
   if (images.depth.empty()) faults.push_back({"depth", "is missing: the form needs a depth image"});
   if (!parameters.intrinsics) faults.push_back({"intrinsics", "is missing: it must be FX,FY,CX,CY in pixels"});
+  if (parameters.color_intrinsics && images.color.empty()) {
+    faults.push_back({"rgb_intrinsics", "does not go without the part color of the form"});
+  }
   if (parameters.read.view) faults.push_back({"view", "does not go with images, which are seen from the camera"});
   if (parameters.read.unit != codec::LengthUnit::kMeter) {
     faults.push_back({"unit", "does not go with images: depth_scale tells their unit"});
@@ -138,6 +143,16 @@ absl::StatusOr<codec::RgbdImages> images_of(const FileRequest& request, std::str
   images.depth_scale =
       parameters.depth_scale.value_or(codec::depth_format(images.depth).value_or(codec::DepthFormat{}).usual_scale());
   return images;
+}
+
+/// INVALID_FIELD for parameters that are for images, if there are none.
+absl::Status check_without_images(const SegmentParameters& parameters) {
+  constexpr const char* kText = "is for images, which come in a form with the parts depth and color";
+  std::vector<FieldViolation> faults;
+  if (parameters.intrinsics) faults.push_back({"intrinsics", kText});
+  if (parameters.color_intrinsics) faults.push_back({"rgb_intrinsics", kText});
+  if (parameters.depth_scale) faults.push_back({"depth_scale", kText});
+  return wire::invalid_fields(faults);
 }
 
 class FileUpload final : public FrameUpload {
@@ -164,6 +179,7 @@ class FileUpload final : public FrameUpload {
         return decoded(codec::decode_rgbd(images, limits, stop));
       };
     } else {
+      RETURN_IF_ERROR(check_without_images(request_.parameters));
       const auto bytes = std::as_bytes(std::span(*kept));
       if (codec::is_taken_as_pcd(bytes)) frame().record().payload_kind = v1::PAYLOAD_KIND_PCD_FILE;
       order.decode = [kept, bytes, read = request_.parameters.read](const codec::DecodeLimits& limits,

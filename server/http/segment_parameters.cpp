@@ -2,10 +2,12 @@
 #include "server/http/segment_parameters.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "command_line/closest_name.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
 #include "proto/text/number_list.hpp"
@@ -26,6 +28,22 @@ std::string method_names() {
   std::string names;
   for (const Method method : all_methods()) names += fmt::format("{}{}", names.empty() ? "" : ", ", name(method));
   return names;
+}
+
+/// The parameters that are no options of the method.
+constexpr std::array<std::string_view, 13> kOtherParameters{
+    "method",     "outputs",        "include",     "exclude", "larger",     "view", "unit",
+    "intrinsics", "rgb_intrinsics", "depth_scale", "timeout", "request_id", "name"};
+
+std::vector<std::string> parameter_names() {
+  std::vector<std::string> names(kOtherParameters.begin(), kOtherParameters.end());
+  for (const OptionInfo& option : option_table()) names.emplace_back(option.name);
+  return names;
+}
+
+std::string unknown_parameter(const std::string& name) {
+  const auto meant = closest_name(name, parameter_names());
+  return meant ? fmt::format("is no parameter (did you mean {}?)", *meant) : "is no parameter";
 }
 
 /// Collects what the parameters say, and their faults.
@@ -171,7 +189,7 @@ void Reader::read(const std::string& name, const std::string& value) {
   } else if (name == "name") {
     read_text(name, value, parameters_.name);
   } else {
-    fault(name.substr(0, kMostTextBytes), "is no parameter");
+    fault(name.substr(0, kMostTextBytes), unknown_parameter(name));
   }
   given_.insert(name);
 }
@@ -191,6 +209,11 @@ absl::StatusOr<SegmentParameters> Reader::finish() && {
 }
 
 }  // namespace
+
+bool is_segment_parameter(std::string_view name) {
+  return std::ranges::find(kOtherParameters, name) != kOtherParameters.end() ||
+         std::ranges::find(option_table(), name, &OptionInfo::name) != option_table().end();
+}
 
 absl::StatusOr<SegmentParameters> parse_segment_parameters(std::string_view query, const Options& defaults) {
   const auto parameters = parse_query(query);

@@ -27,8 +27,12 @@ struct SegmentParameters {
   std::optional<std::chrono::milliseconds> timeout = {};   ///< from the arrival of the request
 };
 
+/// Whether a query may have a parameter of this name.
+bool is_segment_parameter(std::string_view name);
+
 /// Reads a query such as "threshold=0.5&outputs=segments,labels&include=320,240". The options have the names that
-/// option_table() has. INVALID_ARGUMENT, INVALID_FIELD names every parameter that is wrong or unknown.
+/// option_table() has. INVALID_ARGUMENT, INVALID_FIELD names every parameter that is wrong or unknown, and
+/// what was meant, if that is plain.
 absl::StatusOr<SegmentParameters> parse_segment_parameters(std::string_view query, const Options& defaults);
 
 }  // namespace segserve::server

@@ -102,6 +102,25 @@ class Http(EndToEnd):
         error = json.loads(done.stdout)["error"]
         self.assertEqual([field["field"] for field in error["fields"]], ["other", "depth", "intrinsics"])
 
+    def test_who_uploads_images_is_told_of_parts_and_parameters(self):
+        depth = self.path("depth.pgm")
+        depth.write_bytes(f"P5\n{WIDTH} {HEIGHT}\n65535\n".encode() + bytes(2 * WIDTH * HEIGHT))
+        address = f"http://127.0.0.1:{self.server.http_port}/v1/segment"
+        for said, query, *parts in (("intrinsics is a parameter of the query, and no part of the form", "", "intrinsics=1,1,1,1"),
+                                    ("rgb_intrinsics does not go without the part color", "?intrinsics=9,9,9,9&rgb_intrinsics=9,9,9,9")):
+            forms = [word for part in (f"depth=@{depth}", *parts) for word in ("-F", part)]
+            done = subprocess.run(["curl", "-sS", *forms, address + query], capture_output=True, timeout=60, check=True)
+            self.assertIn(said, json.loads(done.stdout)["error"]["message"].replace(": ", " "))
+        error = self.error(400, self.scene, "intrinsics=9,9,9,9&depth_scale=0.001")
+        self.assertEqual({field["field"]: field["description"] for field in error["fields"]},
+                         dict.fromkeys(["intrinsics", "depth_scale"], "is for images, which come in a form with the parts depth and color"))
+        message = self.error(400, b"\x89PNG\r\n\x1a\n" + bytes(100))["message"]
+        self.assertIn("HTTP a form with the parts depth and color, and the parameter intrinsics", message)
+        dense = pcd.binary_file([(x / 1e6, y / 1e6, 1.0) for x in range(50) for y in range(40)])
+        told = self.server.segment_well(dense, "view=world&voxel_resolution=0.01")
+        self.assertIn("the unit of the coordinates (unit, or depth_scale of a depth image)", told["warnings"][0]["message"])
+        self.assertNotIn("--", json.dumps(told["warnings"]))
+
     def test_prompts_select_as_segctl_does(self):
         labels, _ = self.segment_locally(self.scene)
         on, beside = ("{1},{0}".format(*divmod(list(labels).index(label), WIDTH)) for label in (2, 1))
@@ -116,6 +135,11 @@ class Http(EndToEnd):
         error = self.error(400, self.scene, "threshold=2&method=none&colour=1&include=a")
         self.assertEqual((error["code"], error["reason"]), ("invalid_argument", "INVALID_FIELD"))
         self.assertEqual([field["field"] for field in error["fields"]], ["threshold", "method", "colour", "include"])
+        told = {field["field"]: field["description"] for field in
+                self.error(400, self.scene, "colour=1&treshold=0.2&out=labels&depth-scale=1&zzzz=1")["fields"]}
+        self.assertEqual(told, {"colour": "is no parameter", "zzzz": "is no parameter", "out": "is no parameter (did you mean outputs?)",
+                                "treshold": "is no parameter (did you mean threshold?)",
+                                "depth-scale": "is no parameter (did you mean depth_scale?)"})
         broken = b"ply\nformat ascii 1.0\n"
         error = self.error(400, broken)
         done = segctl("segment", "-", "--local", stdin=broken)

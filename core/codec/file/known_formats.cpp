@@ -20,7 +20,9 @@ struct KnownFormat {
 
 constexpr std::string_view kPdal = "pdal translate makes a LAS or PLY file of it";
 constexpr std::string_view kUnpack = "unpack it first";
-constexpr std::string_view kImage = "the options --depth, --rgb and --intrinsics take images";
+constexpr std::string_view kImage =
+    "images of a camera need its intrinsics: segctl takes --depth, --rgb and --intrinsics, HTTP a form with the "
+    "parts depth and color, and the parameter intrinsics";
 constexpr std::string_view kMesh = "sample points on the mesh, or save its vertices as PLY";
 constexpr std::string_view kSave = "save its points as PLY or CSV";
 constexpr std::string_view kUtf8 = "save it as UTF-8, for example by iconv -f UTF-16 -t UTF-8";
@@ -53,7 +55,7 @@ constexpr std::array<KnownFormat, 24> kFormats{{
     {"\xff\xd8\xff"sv, "a JPEG image", kImage},
     {"II*\0"sv, "a TIFF image", kImage},
     {"MM\0*"sv, "a TIFF image", kImage},
-    {"DRACO"sv, "Draco", "decode it first; --codec draco sends clouds in it"},
+    {"DRACO"sv, "Draco", "decode it first; the codec draco sends clouds in it"},
 }};
 
 std::string unreadable(std::string_view name, std::string_view advice) {

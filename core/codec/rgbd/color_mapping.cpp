@@ -43,7 +43,7 @@ absl::Status check_proportions(const ImageSize& depth, const ImageSize& color) {
   if (difference <= std::min({depth.width, depth.height, color.width, color.height})) return absl::OkStatus();
   return absl::InvalidArgumentError(fmt::format(
       "it has {} x {} pixels, and the depth image {} x {}: images of other proportions do not show the same "
-      "part of the scene; give the intrinsics of the color image (segctl: --rgb-intrinsics)",
+      "part of the scene; give the intrinsics of the color image (rgb_intrinsics)",
       color.width, color.height, depth.width, depth.height));
 }
 
