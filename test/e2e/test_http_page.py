@@ -13,7 +13,7 @@ from harness import SUCCESS, segctl
 from http_client import WebServer
 from test_view import LEFT, RIGHT, is_near, two_plates
 
-DONE = "document.getElementById('open-message').textContent.includes('was segmented')"
+DONE = "document.getElementById('open-message').textContent.includes(' segmented')"
 FAILED = "document.getElementById('open-message').dataset.failed === 'true'"
 
 
@@ -83,8 +83,38 @@ class HttpPage(unittest.TestCase):
         depth.write_bytes(b"P5\n64 48\n65535\n" + rows.astype(">u2").tobytes())
         color.write_bytes(b"P6\n64 48\n255\n" + numpy.full((48, 64, 3), 120, numpy.uint8).tobytes())
         answers = self.open(["run", "document.getElementById('intrinsics').value = '60,60,31.5,23.5'"],
-                            ["drop", str(color), str(depth)], ["wait_for", DONE], ["settle"], ["text", "#heads span"])
+                            ["drop", str(color), str(depth)], ["wait_for", DONE], ["settle"], ["text", "#heads span"],
+                            ["text", "#open-message"])
         self.assertIn("3,072 points", answers[4])
+        self.assertEqual(answers[5], "color.ppm and depth.pgm were segmented.")
+
+    def test_controls_come_with_the_first_file(self):
+        shown = "[...document.getElementById('panel').children].filter((part) => part.offsetHeight > 0).map((part) => part.id).join()"
+        answers = self.open(["run", shown], ["drop", str(self.plates)], ["wait_for", DONE], ["settle"], ["run", shown],
+                            ["text", "#open-message"])
+        self.assertEqual(answers[0], "open")
+        self.assertIn("paints", answers[4].split(","))
+        self.assertEqual(answers[5], "plates.pcd was segmented.")
+
+    def test_no_button_is_cut_off(self):
+        answers = self.open(["drop", str(self.plates)], ["wait_for", DONE], ["settle"],
+                            ["run", "[...document.querySelectorAll('button')].filter((button) => button.scrollWidth > "
+                                    "button.clientWidth).map((button) => button.textContent).join()"])
+        self.assertEqual(answers[3], "")
+
+    def test_the_keys_are_those_that_do_something(self):
+        keys = self.open(["drop", str(self.plates)], ["wait_for", DONE], ["settle"], ["press", "?"], ["text", "#key-list"])[4]
+        self.assertIn("Stability", keys)
+        for other in ("Ground truth", "Errors", "the other side"):
+            self.assertNotIn(other, keys)
+
+    def test_texts_can_be_written_beside_a_cloud(self):
+        answers = self.open(["drop", str(self.plates)], ["wait_for", DONE], ["settle"],
+                            ["run", "document.querySelector('details').open = true"],
+                            ["run", "document.getElementById('intrinsics').value = ''"],
+                            ["run", "document.getElementById('intrinsics').focus()"],
+                            *(["press", key] for key in "6,5h"), ["run", "document.getElementById('intrinsics').value"])
+        self.assertEqual(answers[-1], "6,5h")
 
     def test_errors_are_the_sentences_of_segctl_and_nothing_but_text(self):
         broken = self.folder / "<img src=x onerror=alert(1)>.ply"

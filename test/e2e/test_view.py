@@ -87,6 +87,14 @@ class View(browser.PageTest):
         self.assertTrue(regions.startswith("2 of "), regions)
         self.assertIn("3,072 points · 2 segments", head)
 
+    def test_the_keys_are_those_that_do_something(self):
+        unlabeled = self.folder / "unlabeled.pcd"
+        unlabeled.write_bytes(two_plates(truth=False))
+        for expected, *arguments in (((True, False), self.plates), ((False, False), unlabeled),
+                                     ((True, True), self.plates, "--compare", "lambda-convex")):
+            keys = self.open(self.write(*arguments), ["settle"], ["press", "?"], ["text", "#key-list"])[2]
+            self.assertEqual(("Ground truth" in keys and "Errors" in keys, "the other side" in keys), expected)
+
     def test_sliders_recolor_and_segments_keep_their_colors(self):
         at = ("pixel", *LEFT)
         read = ["run", "[...document.querySelectorAll('#segments li')].map((row) => [row.dataset.node,"

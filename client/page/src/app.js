@@ -32,10 +32,10 @@ export class App {
   get pane() { return this.viewer.panes[this.active]; }
 
   start() {
+    byId('panel').classList.remove('empty');
     this.#bindControls();
     this.#bindPointer();
     bindKeys(this);
-    showKeys();
     this.#showSides();
   }
 
@@ -63,6 +63,7 @@ export class App {
     // Both sides are painted alike, so that both must have labels.
     const hasTruth = this.sides.every(({truth}) => truth !== undefined);
     this.available = Object.keys(PAINTS).filter((paint) => hasTruth || (paint !== 'truth' && paint !== 'errors'));
+    showKeys(this);
     panel.showPaints(this.available, (paint) => this.setPaint(paint));
     this.activate(0);
     this.setPaint(this.available.includes(paint) ? paint : 'segments');

@@ -4,7 +4,7 @@ import {PAINTS} from './painting.js';
 
 const TURN = 0.08;
 
-/** Keys and what they do. An action gets the app. */
+/** Keys and what they do. An action gets the app. `isThere` tells whether there is something to do, for the list. */
 const KEYS = [
   {keys: ['ArrowLeft'], name: '← →', text: 'turn', action: (app) => app.viewer.turn(-TURN, 0, 1)},
   {keys: ['ArrowRight'], action: (app) => app.viewer.turn(TURN, 0, 1)},
@@ -21,10 +21,11 @@ const KEYS = [
   {keys: ['g'], name: 'G', text: 'region graph', action: (app) => app.toggleGraph()},
   {keys: ['l'], name: 'L', text: 'shading by depth', action: (app) => app.toggleShading()},
   {keys: ['h'], name: 'H', text: 'back to the first view', action: (app) => app.viewer.home()},
-  {keys: ['x'], name: 'X', text: 'the other side', action: (app) => app.activate((app.active + 1) % app.sides.length)},
+  {keys: ['x'], name: 'X', text: 'the other side', isThere: (app) => app.sides.length > 1, action: (app) => app.activate((app.active + 1) % app.sides.length)},
   {keys: ['?'], name: '?', text: 'this list', action: () => byId('keys').showModal()},
   ...Object.entries(PAINTS).map(([paint, {key, title}]) =>
-      ({keys: [key], name: key, text: title, action: (app) => app.setPaint(paint)})),
+      ({keys: [key], name: key, text: title, isThere: (app) => app.available.includes(paint),
+        action: (app) => app.setPaint(paint)})),
 ];
 
 const GESTURES = [
@@ -38,6 +39,7 @@ const GESTURES = [
 export function bindKeys(app) {
   document.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || byId('keys').open) return;
+    if (event.target.matches?.('input:not([type="range"])')) return;  // Somebody writes a text.
     const isSlider = event.target.matches?.('input');
     const entry = KEYS.find(({keys}) => keys.includes(event.key) || keys.includes(event.key.toLowerCase()));
     if (entry === undefined || (isSlider && event.key.startsWith('Arrow'))) return;
@@ -46,8 +48,10 @@ export function bindKeys(app) {
   });
 }
 
-export function showKeys() {
-  const rows = [...GESTURES, ...KEYS.filter(({name}) => name).map(({name, text}) => [name, text])];
+/** Lists the keys that do something for what is shown. */
+export function showKeys(app) {
+  const listed = KEYS.filter(({name, isThere}) => name && (isThere === undefined || isThere(app)));
+  const rows = [...GESTURES, ...listed.map(({name, text}) => [name, text])];
   byId('key-list').replaceChildren(
       ...rows.flatMap(([name, text]) => [element('dt', {}, element('kbd', {}, name)), element('dd', {}, text)]));
 }

@@ -42,6 +42,11 @@ async function errorOf(response) {
   }
 }
 
+const namesOf = (files) => files.map(({name}) => name).join(' and ');
+
+/** What is said when the files were segmented. */
+export const doneText = (files) => `${namesOf(files)} ${files.length > 1 ? 'were' : 'was'} segmented.`;
+
 /** Sends the files and returns what load() reads: {data, textOf}. */
 async function segment(files, {intrinsics, token}) {
   const {query, body} = await requestFor(files, intrinsics);
@@ -69,13 +74,12 @@ export function startUploads(show) {
   const open = async (files) => {
     if (isBusy || files.length === 0) return;
     isBusy = true;
-    const names = files.map(({name}) => name).join(' and ');
-    say(`Segmenting ${names} …`);
+    say(`Segmenting ${namesOf(files)} …`);
     try {
       const settings = {intrinsics: byId('intrinsics').value, token: byId('token').value.trim()};
       await show(await segment(files, settings));
       byId('drop').hidden = true;
-      say(`${names} was segmented.`);
+      say(doneText(files));
     } catch (error) {
       say(error.message, true);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {isDepthImage, requestFor} from '../../../client/page/src/upload.js';
+import {doneText, isDepthImage, requestFor} from '../../../client/page/src/upload.js';
 
 const png = (bits, kind) => Uint8Array.from([0x89, 0x50, 0x4e, 0x47, ...Array(20).fill(0), bits, kind, 0, 0, 0]);
 const file = (name, bytes) => new File([bytes], name);
@@ -35,4 +35,9 @@ test('what cannot be segmented is refused by a sentence', async () => {
   const color = file('c.png', png(8, 2));
   await assert.rejects(requestFor([color], ''), /None of these is a depth image/);
   await assert.rejects(requestFor([color, color, color], ''), /Drop one file/);
+});
+
+test('one file was, and two were segmented', () => {
+  assert.equal(doneText([{name: 'a.pcd'}]), 'a.pcd was segmented.');
+  assert.equal(doneText([{name: 'depth.png'}, {name: 'color.jpg'}]), 'depth.png and color.jpg were segmented.');
 });
