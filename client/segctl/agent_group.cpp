@@ -30,27 +30,45 @@ absl::StatusOr<Json> parsed(const std::string& line) {
   return message;
 }
 
+/// The next message, if one comes in time.
+absl::StatusOr<Json> next_message(bench::LineSocket& socket, milliseconds time) {
+  ASSIGN_OR_RETURN(const auto line, socket.receive(time));
+  if (!line) return absl::UnavailableError("it gives no answer");
+  return parsed(*line);
+}
+
 absl::Status of_agent(const AgentAddress& address, const absl::Status& status) {
   return with_prefix(fmt::format("agent {}", address.text()), status);
 }
 
 }  // namespace
 
+absl::Status AgentGroup::greet(Agent& agent, const std::vector<std::string>& arguments, const std::string& secret) {
+  ASSIGN_OR_RETURN(const Json message, next_message(agent.socket, kConnectTime));
+  ASSIGN_OR_RETURN(const AgentGreeting greeting, parse_greeting_message(message));
+  Json answer{{"segserve_bench_agent", kAgentProtocol}, {"arguments", arguments}};
+  if (greeting.asks_for_proof) {
+    if (secret.empty()) {
+      return absl::PermissionDeniedError("it asks for a secret: --agent-token-file names the file that holds it");
+    }
+    answer["proof"] = proof_of_arguments(secret, greeting, answer["arguments"]);
+  }
+  return agent.socket.send(answer.dump());
+}
+
 absl::StatusOr<std::shared_ptr<AgentGroup>> AgentGroup::connect(const std::vector<AgentAddress>& addresses,
-                                                                const std::vector<std::string>& arguments) {
+                                                                const std::vector<std::string>& arguments,
+                                                                const std::string& secret) {
   auto group = std::make_shared<AgentGroup>();
-  const std::string greeting = Json{{"segserve_bench_agent", kAgentProtocol}, {"arguments", arguments}}.dump();
   for (const AgentAddress& address : addresses) {
     auto socket = bench::LineSocket::connect(address.host, address.port, kConnectTime);
     if (!socket.ok()) return of_agent(address, socket.status());
     group->agents_.push_back({address, *std::move(socket)});
-    const absl::Status sent = group->agents_.back().socket.send(greeting);
-    if (!sent.ok()) return of_agent(address, sent);
+    const absl::Status greeted = greet(group->agents_.back(), arguments, secret);
+    if (!greeted.ok()) return of_agent(address, greeted);
   }
   for (Agent& agent : group->agents_) {
-    auto line = agent.socket.receive(kPrepareTime);
-    absl::Status status = line.status();
-    if (status.ok()) status = *line ? parsed(**line).status() : absl::UnavailableError("it gives no answer");
+    const absl::Status status = next_message(agent.socket, kPrepareTime).status();
     if (!status.ok()) return of_agent(agent.address, status);
   }
   return group;

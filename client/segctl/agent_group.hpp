@@ -16,9 +16,11 @@ namespace segserve::segctl {
 class AgentGroup {
  public:
   /// Connects to all of them, and has them prepare their frames. `arguments` are the words of this process's command
-  /// line behind "bench". UNAVAILABLE and what an agent says, with its address.
+  /// line behind "bench". `secret` is that of the agents, or empty. UNAVAILABLE and what an agent says, with its
+  /// address; PERMISSION_DENIED if an agent has another secret, or has one while `secret` is empty.
   static absl::StatusOr<std::shared_ptr<AgentGroup>> connect(const std::vector<AgentAddress>& addresses,
-                                                             const std::vector<std::string>& arguments);
+                                                             const std::vector<std::string>& arguments,
+                                                             const std::string& secret);
 
   /// Runs the load once, its clients spread evenly over the agents, and adds up what they measured. The observer hears
   /// of the intervals when all agents are done. Errors as of connect().
@@ -29,6 +31,8 @@ class AgentGroup {
     AgentAddress address;
     bench::LineSocket socket;
   };
+
+  static absl::Status greet(Agent& agent, const std::vector<std::string>& arguments, const std::string& secret);
 
   std::vector<Agent> agents_;
 };

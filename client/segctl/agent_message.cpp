@@ -10,6 +10,7 @@
 #include "client/load_test/hdr_encoding.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "credentials/shared_secret.hpp"
 #include "fmt/format.h"
 
 namespace segserve::segctl {
@@ -248,6 +249,37 @@ absl::StatusOr<AgentResult> parse_result_message(const Json& message) {
   } catch (const Json::exception& error) {
     return absl::InvalidArgumentError(fmt::format("this is no message of a result: {}", error.what()));
   }
+}
+
+Json greeting_message(const AgentGreeting& greeting) {
+  return {{"segserve_bench_agent", kAgentProtocol},
+          {"challenge", greeting.challenge},
+          {"asks_for_proof", greeting.asks_for_proof}};
+}
+
+absl::StatusOr<AgentGreeting> parse_greeting_message(const Json& message) {
+  const auto is = [&message](const char* name, Json::value_t type) {
+    return message.is_object() && message.contains(name) && message[name].type() == type;
+  };
+  if (!is("segserve_bench_agent", Json::value_t::number_unsigned)) {
+    return absl::InvalidArgumentError("it does not greet like an agent");
+  }
+  if (message["segserve_bench_agent"] != kAgentProtocol) {
+    return absl::InvalidArgumentError("this agent speaks another version of the protocol");
+  }
+  if (!is("challenge", Json::value_t::string) || !is("asks_for_proof", Json::value_t::boolean)) {
+    return absl::InvalidArgumentError("it does not greet like an agent");
+  }
+  return AgentGreeting{message["challenge"].get<std::string>(), message["asks_for_proof"].get<bool>()};
+}
+
+std::string proof_of_arguments(std::string_view secret, const AgentGreeting& greeting, const Json& arguments) {
+  return credentials::proof_of(secret, greeting.challenge + "\n" + arguments.dump());
+}
+
+bool is_proof_of_arguments(std::string_view proof, std::string_view secret, const AgentGreeting& greeting,
+                           const Json& arguments) {
+  return credentials::is_proof_of(proof, secret, greeting.challenge + "\n" + arguments.dump());
 }
 
 Json error_message(const absl::Status& status) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -8,17 +10,37 @@
 #include "client/load_test/load.hpp"
 #include "nlohmann/json.hpp"
 
-// The messages between a load test and its agents, as JSON, one object a line. The load test begins:
+// The messages between a load test and its agents, as JSON, one object a line. The agent begins:
 //
-//   {"segserve_bench_agent": 1, "arguments": ["--size", "160x120", ..]}   -> {"ready": true}
-//   {"run": {"clients": 4, "rates": [..], ..}}                            -> {"result": {..}}
+//   {"segserve_bench_agent": 2, "challenge": "..", "asks_for_proof": true}
+//
+// Then the load test asks, and the agent answers. `proof` is there if it was asked for; see proof_of_arguments.
+//
+//   {"segserve_bench_agent": 2, "arguments": ["--size", ..], "proof": ".."}   -> {"ready": true}
+//   {"run": {"clients": 4, "rates": [..], ..}}                                -> {"result": {..}}
 //   {"stop": true}, which ends a run early and has no answer of its own
 //
 // In place of an answer, {"error": {"code": 3, "message": ".."}} says what went wrong. The end of the connection ends
 // everything.
 namespace segserve::segctl {
 
-inline constexpr int kAgentProtocol = 1;
+inline constexpr int kAgentProtocol = 2;
+
+/// What an agent says first.
+struct AgentGreeting {
+  std::string challenge;  ///< random, and used once
+  bool asks_for_proof = false;
+};
+
+nlohmann::json greeting_message(const AgentGreeting& greeting);
+/// INVALID_ARGUMENT if it is no such message, or one of another version.
+absl::StatusOr<AgentGreeting> parse_greeting_message(const nlohmann::json& message);
+
+/// By this a load test shows that it knows the secret of an agent: an HMAC of challenge and arguments. The secret
+/// itself is never sent, and what was overheard is of no use for another connection.
+std::string proof_of_arguments(std::string_view secret, const AgentGreeting& greeting, const nlohmann::json& arguments);
+bool is_proof_of_arguments(std::string_view proof, std::string_view secret, const AgentGreeting& greeting,
+                           const nlohmann::json& arguments);
 
 /// Makes the message that starts a run. It holds the options that differ from run to run.
 nlohmann::json run_message(const bench::LoadOptions& load);

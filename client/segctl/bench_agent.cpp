@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -22,6 +24,7 @@
 #include "client/segctl/messages.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "credentials/new_token.hpp"
 #include "fmt/format.h"
 
 namespace segserve::segctl {
@@ -33,12 +36,15 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLook{50};          // how soon a stop is seen
 constexpr milliseconds kGreeting{10'000};  // within which a load test must say what it wants
-constexpr milliseconds kIdle{3'600'000};   // after which a load test that says nothing more is left
+constexpr milliseconds kPenalty{500};      // after a wrong proof, so that nobody can try many
+constexpr std::size_t kMostGreetingBytes = 1U << 20U;
+constexpr milliseconds kIdle{3'600'000};  // after which a load test that says nothing more is left
 
 /// A load test that this agent works for.
 class Work {
  public:
-  Work(LineSocket socket, const std::atomic<bool>& ended) : socket_(std::move(socket)), ended_(ended) {}
+  Work(LineSocket socket, const std::string& secret, const std::atomic<bool>& ended)
+      : socket_(std::move(socket)), secret_(secret), ended_(ended) {}
 
   /// Returns when the connection is over.
   absl::Status serve() {
@@ -46,7 +52,7 @@ class Work {
     if (!status.ok()) return answer_error(status);
     RETURN_IF_ERROR(answer({{"ready", true}}));
     while (true) {
-      ASSIGN_OR_RETURN(const Json message, next_message(kIdle));
+      ASSIGN_OR_RETURN(const Json message, next_message(kIdle, LineSocket::kMostBytes));
       if (message.contains("stop")) continue;  // it came too late
       bench::LoadOptions load = plan_.load;
       status = apply_run_message(message, load);
@@ -58,10 +64,10 @@ class Work {
   absl::Status answer(const Json& message) { return socket_.send(message.dump()); }
   absl::Status answer_error(const absl::Status& status) { return answer(error_message(status)); }
 
-  absl::StatusOr<Json> next_message(milliseconds time) {
+  absl::StatusOr<Json> next_message(milliseconds time, std::size_t most_bytes) {
     const auto until = std::chrono::steady_clock::now() + time;
     while (std::chrono::steady_clock::now() < until && !ended_) {
-      ASSIGN_OR_RETURN(const auto line, socket_.receive(kLook));
+      ASSIGN_OR_RETURN(const auto line, socket_.receive(kLook, most_bytes));
       if (!line) continue;
       Json message = Json::parse(*line, nullptr, false);
       if (message.is_object()) return message;
@@ -70,13 +76,32 @@ class Work {
     return absl::UnavailableError("the load test says nothing");
   }
 
-  absl::Status prepare() {
-    ASSIGN_OR_RETURN(const Json message, next_message(kGreeting));
-    if (message.value("segserve_bench_agent", 0) != kAgentProtocol) {
+  /// The arguments of a load test that may use this agent.
+  absl::StatusOr<Json> admitted_arguments() {
+    ASSIGN_OR_RETURN(const std::string challenge, credentials::new_token());
+    const AgentGreeting greeting{.challenge = challenge, .asks_for_proof = !secret_.empty()};
+    RETURN_IF_ERROR(answer(greeting_message(greeting)));
+    ASSIGN_OR_RETURN(const Json message, next_message(kGreeting, kMostGreetingBytes));
+    const auto version = message.find("segserve_bench_agent");
+    if (version == message.end() || *version != kAgentProtocol) {
       return absl::InvalidArgumentError("this agent speaks another version of the protocol");
     }
+    const auto arguments = message.find("arguments");
+    const Json given = arguments == message.end() ? Json::array() : *arguments;
+    if (secret_.empty()) return given;
+    const auto proof = message.find("proof");
+    const bool is_known = proof != message.end() && proof->is_string() &&
+                          is_proof_of_arguments(proof->get<std::string>(), secret_, greeting, given);
+    if (is_known) return given;
+    print_warning("a load test that does not know the secret was refused");
+    std::this_thread::sleep_for(kPenalty);
+    return absl::PermissionDeniedError("this agent has another secret than the load test (--agent-token-file)");
+  }
+
+  absl::Status prepare() {
+    ASSIGN_OR_RETURN(const Json arguments, admitted_arguments());
     std::vector<std::string> words;
-    for (const Json& word : message.value("arguments", Json::array())) {
+    for (const Json& word : arguments) {
       if (word.is_string()) words.push_back(word.get<std::string>());
     }
     std::ranges::reverse(words);  // as CLI11 wants them
@@ -121,6 +146,7 @@ class Work {
   }
 
   LineSocket socket_;
+  const std::string& secret_;  // empty: none is asked for
   const std::atomic<bool>& ended_;
   BenchArguments arguments_;
   bench::LoadPlan plan_;
@@ -129,13 +155,13 @@ class Work {
 
 }  // namespace
 
-absl::Status serve_as_agent(const std::string& listen, bool anyone) {
+absl::Status serve_as_agent(const std::string& listen, const std::string& secret, bool anyone) {
   ASSIGN_OR_RETURN(const AgentAddress address, parse_agent_address("--agent", listen));
-  if (!anyone && !address.is_loopback()) {
-    return absl::InvalidArgumentError(fmt::format(
-        "--agent {}: whoever reaches this address can load any server through it; --agent-for-anyone allows "
-        "that",
-        listen));
+  if (secret.empty() && !anyone && !address.is_loopback()) {
+    return absl::InvalidArgumentError(
+        fmt::format("--agent {}: whoever reaches this address could load any server through it; --agent-token-file "
+                    "admits only who has its secret, --agent-for-anyone admits all",
+                    listen));
   }
   const Interrupt interrupt;
   auto listener = bench::LineListener::listen(address.host, address.port);
@@ -145,7 +171,7 @@ absl::Status serve_as_agent(const std::string& listen, bool anyone) {
   while (!interrupt.came()) {
     auto connection = listener->accept(std::chrono::milliseconds(200));
     if (!connection) continue;
-    const absl::Status status = Work(*std::move(connection), interrupt.flag()).serve();
+    const absl::Status status = Work(*std::move(connection), secret, interrupt.flag()).serve();
     if (!absl::IsUnavailable(status)) print_warning(message_of(status));
   }
   return absl::OkStatus();

@@ -10,6 +10,7 @@
 #include "command_line/number_range.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
+#include "credentials/shared_secret.hpp"
 #include "fmt/format.h"
 
 namespace segserve::segctl {
@@ -121,9 +122,16 @@ void BenchArguments::add_fault_flags(CLI::App& app) {
                                 ->type_name("HOST:PORT")
                                 ->excludes("--agents")
                                 ->group("Load");
+  CLI::Option* token_flag =
+      app.add_option("--agent-token-file", agent_token_file,
+                     "file with the secret that agents share with the load tests that may use them, at least 16 bytes; "
+                     "it is never sent")
+          ->type_name("FILE")
+          ->group("Load");
   app.add_flag("--agent-for-anyone", agent_for_anyone,
-               "let other machines reach the agent, which can load any server for whoever does")
+               "let other machines reach the agent without a secret; it can then load any server for whoever does")
       ->needs(agent_flag)
+      ->excludes(token_flag)
       ->group("Load");
   app.add_option("--fault", fault,
                  "clients that misbehave beside those that are measured, e.g. "
@@ -208,6 +216,13 @@ void BenchArguments::add_to(CLI::App& app) {
   add_result_flags(app);
   server.add_to(app, kDefaultTimeout);
   options.add_to(app);
+}
+
+absl::StatusOr<std::string> BenchArguments::agent_secret() const {
+  if (agent_token_file.empty()) return std::string();
+  auto secret = credentials::read_shared_secret(agent_token_file);
+  if (!secret.ok()) return with_prefix("--agent-token-file", secret.status());
+  return secret;
 }
 
 absl::Status BenchArguments::add_stream_options(bench::LoadOptions& load) const {

@@ -32,7 +32,7 @@ struct BenchArguments {
   std::string search, until_stable, soak;
   double interval_s = 0;
   std::string metrics, metrics_listen, fault;
-  std::string agents, agent;
+  std::string agents, agent, agent_token_file;
   bool agent_for_anyone = false;
   std::string arrivals = "constant";
   double duration_s = 10;
@@ -62,6 +62,8 @@ struct BenchArguments {
   /// The load that the flags describe. INVALID_ARGUMENT if they do not fit together.
   absl::StatusOr<bench::LoadPlan> plan() const;
   absl::StatusOr<std::vector<bench::Objective>> parsed_objectives() const;
+  /// The secret of --agent-token-file; empty without it. Errors as of credentials::read_shared_secret.
+  absl::StatusOr<std::string> agent_secret() const;
   bool soaks() const { return !soak.empty(); }
 
  private:

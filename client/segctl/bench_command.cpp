@@ -69,7 +69,13 @@ absl::Status announce(const BenchArguments& arguments, StagedOutput& output) {
 }
 
 absl::Status run(const BenchArguments& arguments) {
-  if (!arguments.agent.empty()) return serve_as_agent(arguments.agent, arguments.agent_for_anyone);
+  if (!arguments.agent.empty()) {
+    ASSIGN_OR_RETURN(const std::string secret, arguments.agent_secret());
+    return serve_as_agent(arguments.agent, secret, arguments.agent_for_anyone);
+  }
+  if (arguments.agents.empty() && !arguments.agent_token_file.empty()) {
+    return absl::InvalidArgumentError("--agent-token-file needs --agents or --agent");
+  }
   StagedOutput output;
   RETURN_IF_ERROR(announce(arguments, output));
   BenchSummary summary;

@@ -106,10 +106,11 @@ absl::StatusOr<bench::LoadRunner> make_runner(const BenchArguments& arguments, c
                                               const bench::FrameSource& source) {
   if (arguments.agents.empty()) return bench::local_runner(plan, source);
   ASSIGN_OR_RETURN(const auto addresses, parse_agent_addresses("--agents", arguments.agents));
+  ASSIGN_OR_RETURN(const std::string secret, arguments.agent_secret());
   std::vector<std::string> words = bench_words();
   // The agents' environment may name another server.
   if (!arguments.server.server_given()) words.push_back("--server=" + arguments.server.address());
-  ASSIGN_OR_RETURN(auto agents, AgentGroup::connect(addresses, words));
+  ASSIGN_OR_RETURN(auto agents, AgentGroup::connect(addresses, words, secret));
   return agents_runner(std::move(agents));
 }
 

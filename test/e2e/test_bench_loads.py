@@ -191,8 +191,8 @@ class Metrics(LoadTest):
 
 
 class Agents(LoadTest):
-    def start_agent(self):
-        process = subprocess.Popen([SEGCTL, "bench", "--agent", "127.0.0.1:0"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    def start_agent(self, listen="127.0.0.1:0", *flags):
+        process = subprocess.Popen([SEGCTL, "bench", "--agent", listen, *flags], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         self.addCleanup(process.communicate, timeout=60)
         self.addCleanup(process.terminate)
         return process.stdout.readline().decode().rsplit(" ", 1)[1].strip()
@@ -235,16 +235,47 @@ class Agents(LoadTest):
         self.assertIn("it must be HOST:PORT", self.run_badly(BAD_INPUT, *flags, "nowhere"))
         host, port = agent.rsplit(":", 1)
         for line, said in ((b"nonsense\n", b"no JSON object"), (b'{"segserve_bench_agent": 9}\n', b"another version"),
-                           (b'{"segserve_bench_agent": 1, "arguments": ["--input", "/no/such.pcd"]}\n', b"/no/such.pcd"),
-                           (b'{"segserve_bench_agent": 1, "arguments": ["--melt"]}\n', b"--melt")):
+                           (b'{"segserve_bench_agent": 2, "arguments": ["--input", "/no/such.pcd"]}\n', b"/no/such.pcd"),
+                           (b'{"segserve_bench_agent": 2, "arguments": ["--melt"]}\n', b"--melt")):
             with socket.create_connection((host, int(port)), timeout=30) as connection:
                 connection.sendall(line)
-                self.assertIn(said, connection.makefile("rb").readline())
+                reader = connection.makefile("rb")
+                self.assertEqual(json.loads(reader.readline())["asks_for_proof"], False)
+                self.assertIn(said, reader.readline())
         self.assertGreater(self.bench("--agents", agent, "--duration", "0.5")["frames"]["results"], 0)
 
-    def test_an_agent_is_for_this_machine(self):
+    def test_an_agent_beyond_this_machine_has_a_secret(self):
         line = self.run_badly(BAD_INPUT, "bench", "--agent", "0.0.0.0:0")
-        self.assertIn("--agent-for-anyone", line)
+        self.assertIn("--agent-token-file admits only who has its secret, --agent-for-anyone admits all", line)
+        short = self.path("short")
+        short.write_text("1234\n")
+        for said, *flags in (("holds a secret of 4 bytes", "--agent", "127.0.0.1:0", "--agent-token-file", short),
+                             ("--agent-token-file does not go with --agent-for-anyone", "--agent", "0.0.0.0:0", "--agent-token-file",
+                              short, "--agent-for-anyone"),
+                             ("--agent-token-file needs --agents or --agent", "--agent-token-file", short)):
+            self.assertIn(said, self.run_badly(BAD_INPUT, "bench", *flags))
+
+    def test_only_who_knows_the_secret_gets_work_done(self):
+        right, wrong = self.path("right"), self.path("wrong")
+        right.write_text("a secret of some length\n")
+        wrong.write_text("another secret of some length\n")
+        agent = self.start_agent("0.0.0.0:0", "--agent-token-file", right).replace("0.0.0.0", "127.0.0.1")
+        load = ("bench", "--server", self.server.address, *SMALL, "--agents", agent, "--duration", "0.5")
+        self.assertIn("it asks for a secret: --agent-token-file names", self.run_badly(FAILED, *load))
+        self.assertIn("this agent has another secret", self.run_badly(FAILED, *load, "--agent-token-file", wrong))
+        told = self.bench("--agents", agent, "--duration", "0.5", "--agent-token-file", right)
+        self.assertGreater(told["frames"]["results"], 0)
+        host, port = agent.rsplit(":", 1)
+        heard = []
+        for proof in ({}, {"proof": ""}, {"proof": "0" * 64}, {"proof": 3}):
+            with socket.create_connection((host, int(port)), timeout=30) as connection:
+                reader = connection.makefile("rb")
+                heard.append(json.loads(reader.readline()))
+                connection.sendall(json.dumps({"segserve_bench_agent": 2, "arguments": []} | proof).encode() + b"\n")
+                self.assertIn(b"another secret", reader.readline())
+                self.assertEqual(reader.readline(), b"")
+        self.assertEqual(len({greeting["challenge"] for greeting in heard}), len(heard))
+        self.assertNotIn("a secret", json.dumps(heard))
 
 
 if __name__ == "__main__":

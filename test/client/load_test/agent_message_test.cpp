@@ -115,5 +115,26 @@ TEST(LineSocket, CarriesLinesAndHearsTheEnd) {
   EXPECT_TRUE(absl::IsUnavailable(LineSocket::connect("127.0.0.1", "1", time).status()));
 }
 
+TEST(AgentMessage, AGreetingComesBack) {
+  const auto back = parse_greeting_message(nlohmann::json::parse(greeting_message({"abc", true}).dump()));
+  ASSERT_TRUE(back.ok());
+  EXPECT_EQ(back->challenge, "abc");
+  EXPECT_TRUE(back->asks_for_proof);
+  for (const char* text : {"{}", "[]", R"({"segserve_bench_agent": 1})", R"({"segserve_bench_agent": 2})",
+                           R"({"segserve_bench_agent": 2, "challenge": 3, "asks_for_proof": true})",
+                           R"({"segserve_bench_agent": "2", "challenge": "a", "asks_for_proof": true})"}) {
+    EXPECT_TRUE(absl::IsInvalidArgument(parse_greeting_message(nlohmann::json::parse(text)).status())) << text;
+  }
+}
+
+TEST(AgentMessage, AProofIsForItsSecretChallengeAndArguments) {
+  const nlohmann::json arguments{"--clients", "3"};
+  const std::string proof = proof_of_arguments("secret", {"once", true}, arguments);
+  EXPECT_TRUE(is_proof_of_arguments(proof, "secret", {"once", true}, arguments));
+  EXPECT_FALSE(is_proof_of_arguments(proof, "other", {"once", true}, arguments));
+  EXPECT_FALSE(is_proof_of_arguments(proof, "secret", {"again", true}, arguments));
+  EXPECT_FALSE(is_proof_of_arguments(proof, "secret", {"once", true}, {"--clients", "4"}));
+}
+
 }  // namespace
 }  // namespace segserve::segctl
