@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 # The steps of the method in the order in which data flows: each may include itself and those before it.
 STEPS = ["core/base", "core/simd", "core/math", "core/cloud", "core/options", "core/voxels", "core/scale", "core/normals", "core/support_plane",
-         "core/supervoxels", "core/region_graph", "core/weights", "core/merging", "core/selection", "core/labels", "core/statistics", "core/pipeline", "core/tracking"]
+         "core/supervoxels", "core/region_graph", "core/weights", "core/border_points", "core/merging", "core/selection", "core/labels", "core/statistics", "core/pipeline", "core/tracking"]
 PUBLIC_CORE = ["core/include"]
 CODEC = [*PUBLIC_CORE, "core/base", "core/codec"]
 LAB = [*PUBLIC_CORE, "core/base", "core/math", "core/codec", "core/lab"]

@@ -6,6 +6,7 @@
 
 #include "absl/status/status.h"
 #include "core/base/frame_context.hpp"
+#include "core/border_points/point_reassignment.hpp"
 #include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/voxels/voxel_grid.hpp"
 #include "segserve/merge_tree.hpp"
@@ -16,10 +17,12 @@ namespace segserve {
 class PointLabeling {
  public:
   /// Sets the supervoxel (1..m) and the segment (1..cut.segments) of every point (N); both are 0 for points that are
-  /// not segmented. `supervoxels` must be those of the grid, and `cut` one of their merge tree. Takes the memory of
-  /// grid.slot_of_point for the result, which is four bytes less for each point. O(N + V).
+  /// not segmented. `supervoxels` must be those of the grid, `reassigned` points that belong to others than their
+  /// voxels do, and `cut` one of the merge tree. Takes the memory of grid.slot_of_point for the result, which is four
+  /// bytes less for each point. O(N + V).
   /// CANCELLED, DEADLINE_EXCEEDED.
-  absl::Status run(const FrameContext& frame, const Supervoxels& supervoxels, const Cut& cut, VoxelGrid& grid,
+  absl::Status run(const FrameContext& frame, const Supervoxels& supervoxels,
+                   const std::vector<ReassignedPoint>& reassigned, const Cut& cut, VoxelGrid& grid,
                    std::vector<std::uint32_t>& supervoxel_of_point, std::vector<std::uint32_t>& segment_of_point);
 
  private:

@@ -8,13 +8,15 @@
 
 namespace segserve {
 
-absl::Status BorderMerging::run(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
-                                const RegionGraph& graph, MergeTree& tree) {
+absl::Status BorderMerging::find_evidence(const FrameContext& frame, const VoxelGrid& grid,
+                                          const std::vector<Vec3>& normals, const RegionGraph& graph) {
   const BorderConstants constants;
   RETURN_IF_ERROR(measure_borders(frame, graph, grid, normals, constants.dead_zone, borders_));
-  std::vector<BorderEvidence> evidence;
-  RETURN_IF_ERROR(find_border_evidence(frame, graph, borders_, constants, evidence));
-  BorderMetric metric(graph, std::move(evidence), frame.options.min_segment_points, constants);
+  return find_border_evidence(frame, graph, borders_, constants, evidence_);
+}
+
+absl::Status BorderMerging::run(const FrameContext& frame, const RegionGraph& graph, MergeTree& tree) {
+  BorderMetric metric(graph, std::move(evidence_), frame.options.min_segment_points, {});
   return merger_.run(frame, graph.edges, small_region_threshold(frame.options), metric, tree);
 }
 

@@ -19,12 +19,18 @@ namespace segserve {
 /// frames.
 class BorderMerging {
  public:
-  /// Sets the merge tree. CANCELLED, DEADLINE_EXCEEDED.
-  absl::Status run(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
-                   const RegionGraph& graph, MergeTree& tree);
+  /// Finds the evidence of all edges of the graph. CANCELLED, DEADLINE_EXCEEDED.
+  absl::Status find_evidence(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                             const RegionGraph& graph);
+  const std::vector<BorderEvidence>& evidence() const { return evidence_; }
+
+  /// Sets the merge tree of the graph whose evidence was found. Only the points of its regions may have changed since.
+  /// Uses the evidence up. CANCELLED, DEADLINE_EXCEEDED.
+  absl::Status run(const FrameContext& frame, const RegionGraph& graph, MergeTree& tree);
 
  private:
   std::vector<Border> borders_;
+  std::vector<BorderEvidence> evidence_;
   Merger<BorderMetric> merger_;
 };
 

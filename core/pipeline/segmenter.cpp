@@ -10,6 +10,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/base/stopwatch.hpp"
+#include "core/border_points/point_reassignment.hpp"
 #include "core/labels/point_labeling.hpp"
 #include "core/math/eigen_conversion.hpp"
 #include "core/merging/border_merging.hpp"
@@ -124,6 +125,7 @@ struct Segmenter::Workspace {
   SupervoxelGrowth supervoxel_growth;
   RegionGraphConstruction region_graph_construction;
   BorderMerging border_merging;
+  PointReassignment point_reassignment;
   PaperMerging paper_merging;
   PointLabeling point_labeling;
 
@@ -134,6 +136,7 @@ struct Segmenter::Workspace {
   Seeds seeds;
   Supervoxels supervoxels;
   RegionGraph graph;
+  std::vector<ReassignedPoint> reassigned;
 };
 
 Segmenter::Segmenter() : workspace_(std::make_unique<Workspace>()) {}
@@ -192,25 +195,33 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   const std::vector<Vec3>& positions = w.positions.empty() ? w.grid.centroid : w.positions;
   RETURN_IF_ERROR(w.seed_selection.run(frame, positions, w.seeds));
   RETURN_IF_ERROR(w.supervoxel_growth.run(frame, w.grid, positions, w.adjacency, w.normals, w.seeds, w.supervoxels));
-  release_if(is_large, w.positions, w.seed_selection, w.seeds, w.supervoxel_growth);
+  release_if(is_large, w.seed_selection, w.seeds, w.supervoxel_growth);
   timings.supervoxels = watch.lap();
 
   // The region adjacency graph G^m (section 2.1).
   RETURN_IF_ERROR(w.region_graph_construction.run(frame, w.grid, w.adjacency, w.normals, w.supervoxels, w.graph));
-  RETURN_IF_ERROR(copy_features(frame, w.graph, result));
   timings.graph = watch.lap();
 
   // The weights W^m of its edges (eq. 3 to 7); then the two most similar regions merge again and again (eq. 2), which
-  // gives the dendrogram D.
-  RETURN_IF_ERROR(by_border ? w.border_merging.run(frame, w.grid, w.normals, w.graph, result.tree)
+  // gives the dendrogram D. With the evidence of the border method, points at borders between objects find their side.
+  w.reassigned.clear();
+  if (by_border) {
+    RETURN_IF_ERROR(w.border_merging.find_evidence(frame, w.grid, w.normals, w.graph));
+    RETURN_IF_ERROR(w.point_reassignment.run(frame, w.grid, positions, w.adjacency, w.supervoxels,
+                                             w.border_merging.evidence(), w.graph, w.reassigned));
+  }
+  release_if(is_large, w.positions, w.point_reassignment);
+  RETURN_IF_ERROR(copy_features(frame, w.graph, result));
+  RETURN_IF_ERROR(by_border ? w.border_merging.run(frame, w.graph, result.tree)
                             : w.paper_merging.run(frame, w.graph, result.tree, result.lambda));
   release_if(is_large, w.region_graph_construction, w.graph, w.border_merging, w.paper_merging);
   timings.merging = watch.lap();
 
   // A cut of the dendrogram labels every point.
   ASSIGN_OR_RETURN(const Cut level, cut(frame, result.tree));
-  RETURN_IF_ERROR(w.point_labeling.run(frame, w.supervoxels, level, w.grid, result.supervoxels, result.labels));
-  release_if(is_large, w.point_labeling);
+  RETURN_IF_ERROR(
+      w.point_labeling.run(frame, w.supervoxels, w.reassigned, level, w.grid, result.supervoxels, result.labels));
+  release_if(is_large, w.point_labeling, w.reassigned);
   timings.labels = watch.lap();
 
   result.segments = level.segments;

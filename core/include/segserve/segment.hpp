@@ -27,7 +27,7 @@ struct StageTimings {
   double normals = 0;      ///< voxel adjacency, removal of the support plane, normals
   double supervoxels = 0;  ///< seeds and growth (VCCS)
   double graph = 0;        ///< region features, region adjacency graph
-  double merging = 0;      ///< weights and the merge tree
+  double merging = 0;      ///< weights, points at borders, and the merge tree
   double labels = 0;       ///< cut of the merge tree, labels of the points
   double tracking = 0;     ///< ids of the segments over time, by whoever calls `track`
   double segments = 0;     ///< statistics of the segments, by `describe`

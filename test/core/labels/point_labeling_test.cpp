@@ -32,9 +32,22 @@ TEST_P(PointLabelingTest, GivesEveryPointTheSupervoxelAndSegmentOfItsVoxel) {
   Input in;
   std::vector<std::uint32_t> supervoxel_of_point, segment_of_point;
   const test::TestFrame frame(in.cloud, {.threads = GetParam()});
-  ASSERT_TRUE(PointLabeling().run(frame, in.supervoxels, in.cut, in.grid, supervoxel_of_point, segment_of_point).ok());
+  ASSERT_TRUE(
+      PointLabeling().run(frame, in.supervoxels, {}, in.cut, in.grid, supervoxel_of_point, segment_of_point).ok());
   EXPECT_THAT(supervoxel_of_point, ElementsAre(2, 2, 0, 1, 0, 2, 1));
   EXPECT_THAT(segment_of_point, ElementsAre(1, 1, 0, 2, 0, 1, 2));
+}
+
+TEST_P(PointLabelingTest, GivesReassignedPointsWhatTheyWereGiven) {
+  Input in;
+  std::vector<std::uint32_t> supervoxel_of_point, segment_of_point;
+  const test::TestFrame frame(in.cloud, {.threads = GetParam()});
+  const std::vector<ReassignedPoint> reassigned = {{1, 0}, {6, 1}};
+  ASSERT_TRUE(PointLabeling()
+                  .run(frame, in.supervoxels, reassigned, in.cut, in.grid, supervoxel_of_point, segment_of_point)
+                  .ok());
+  EXPECT_THAT(supervoxel_of_point, ElementsAre(2, 1, 0, 1, 0, 2, 2));
+  EXPECT_THAT(segment_of_point, ElementsAre(1, 2, 0, 2, 0, 1, 1));
 }
 
 TEST(PointLabelingTest, StopsWhenAsked) {
@@ -43,7 +56,7 @@ TEST(PointLabelingTest, StopsWhenAsked) {
   const std::atomic<bool> cancelled = true;
   const test::TestFrame frame(in.cloud, {}, StopToken(&cancelled));
   const absl::Status status =
-      PointLabeling().run(frame, in.supervoxels, in.cut, in.grid, supervoxel_of_point, segment_of_point);
+      PointLabeling().run(frame, in.supervoxels, {}, in.cut, in.grid, supervoxel_of_point, segment_of_point);
   EXPECT_EQ(status.code(), absl::StatusCode::kCancelled);
 }
 
