@@ -134,8 +134,8 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   // A small compressed message could be huge. Payloads have compression of their own, whose results are bounded.
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
   builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
-  // By its probes gRPC lets each connection send 4 MiB and more ahead, which far clients need. Clients on this machine are
-  // served as well by the first window of 64 KiB, and one that floods is then no burden for others.
+  // By its probes gRPC lets each connection send 4 MiB and more ahead, which far clients need. Clients on this machine
+  // are served as well by the first window of 64 KiB, and one that floods is then no burden for others.
   if (address.is_loopback() || options_.memory < kLeastMemoryForWideWindows) {
     builder.AddChannelArgument(GRPC_ARG_HTTP2_BDP_PROBE, 0);
   }

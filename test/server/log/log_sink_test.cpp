@@ -40,7 +40,8 @@ class LogSinkTest : public testing::Test {
   }
   ~LogSinkTest() override {
     close_end(0);
-    pool_.reset();  // first, so that its thread is not the one that deletes the logger, which ThreadSanitizer cannot follow
+    // First, so that its thread is not the one that deletes the logger, which ThreadSanitizer cannot follow.
+    pool_.reset();
     logger_.reset();
     close_end(1);
   }
