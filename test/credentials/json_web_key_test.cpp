@@ -67,6 +67,7 @@ TEST(JsonWebKeys, AreInASet) {
     EXPECT_THAT(key_faults(text), HasSubstr("is no JSON Web Key Set")) << text;
   }
   EXPECT_THAT(key_faults(R"({"keys": []})"), HasSubstr("has no key"));
+  EXPECT_THAT(key_faults(R"({"keys": [], "keys": []})"), HasSubstr(R"(the member "keys" twice)"));
   EXPECT_THAT(key_faults(key_set(std::vector<Json>(201, key()))), HasSubstr("more than 200"));
 }
 

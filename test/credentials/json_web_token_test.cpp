@@ -178,6 +178,12 @@ TEST_F(JsonWebToken, HasABound) {
   refuse(to_base64url(std::string(5000, '[')) + ".e30.e30", "header");
 }
 
+TEST_F(JsonWebToken, ClaimsNothingTwice) {
+  std::string payload = claims().dump();
+  payload.insert(1, R"("sub":"robot-1",)");
+  refuse(key_.token(key_.header(), payload), R"(the payload: it has an object with the member "sub" twice)");
+}
+
 TEST_F(JsonWebToken, ThatIsSignedMayStillBeNonsense) {
   for (const char* payload : {"", "[]", "3", "null", "{", "{\"sub\":\"\xff\"}"}) {
     refuse(key_.token(key_.header(), payload), "payload");

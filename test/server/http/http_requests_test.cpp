@@ -100,6 +100,9 @@ TEST(SegmentParameters, ThatAreWrongAreAllNamed) {
   EXPECT_THAT(faults_of("threshold=%"), ElementsAre("query"));
   EXPECT_THAT(faults_of("threshold=nan&larger=x"), ElementsAre("threshold", "larger", "include"));
   EXPECT_THAT(faults_of("exclude=1,1"), ElementsAre("include"));
+  const auto unknown = parse_segment_parameters("regoins=3&rgb-intrinsics=1&q=1", {});
+  EXPECT_THAT(std::string(unknown.status().message()),
+              testing::AllOf(HasSubstr("did you mean regions?"), HasSubstr("did you mean rgb_intrinsics?")));
   std::string many;
   for (int k = 0; k < 300; ++k) many += "include=1,1&";
   EXPECT_THAT(faults_of(many), ElementsAre("query"));

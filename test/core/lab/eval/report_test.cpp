@@ -56,8 +56,13 @@ TEST(Report, TheCurveIsThereIfAskedFor) {
 }
 
 TEST(Report, RefusesOtherFiles) {
-  for (const char* text : {"", "{", "[]", "3", R"({"method":"x"})", R"({"method":1,"per_scene":[]})",
-                           R"({"method":"x","per_scene":{}})"}) {
+  for (const char* text : {"", "{", R"({"method":"x","method":"y","per_scene":[]})"}) {
+    EXPECT_THAT(std::string(report_from_json(text).status().message()),
+                testing::StartsWith("not a result of segctl eval: it "))
+        << text;
+  }
+  for (const char* text :
+       {"[]", "3", R"({"method":"x"})", R"({"method":1,"per_scene":[]})", R"({"method":"x","per_scene":{}})"}) {
     EXPECT_EQ(report_from_json(text).status().message(),
               "not a result of segctl eval: no JSON object with method and per_scene")
         << text;
