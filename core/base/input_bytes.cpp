@@ -53,7 +53,8 @@ std::optional<int> descriptor_of(std::string_view path) {
 
 absl::Status failed(int error) {
   const char* const why = std::strerror(error);
-  return error == ENOENT || error == ENOTDIR ? absl::NotFoundError(why) : absl::UnavailableError(why);
+  if (error == ENOENT || error == ENOTDIR) return absl::NotFoundError(why);
+  return error == EACCES ? absl::PermissionDeniedError(why) : absl::UnavailableError(why);
 }
 
 /// INVALID_ARGUMENT for what reading would wait for, or never come to the end of.

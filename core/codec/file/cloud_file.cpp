@@ -51,6 +51,9 @@ absl::Status open_error(const std::string& path, int error) {
 
 absl::StatusOr<std::string> read_path(const std::string& path, const DecodeLimits& limits, const StopToken& stop) {
   auto bytes = read_input_bytes(path, limits.max_bytes, stop);
+  if (absl::IsNotFound(bytes.status()) || absl::IsPermissionDenied(bytes.status())) {
+    return with_prefix(path + ": cannot be opened", bytes.status());
+  }
   if (!bytes.ok()) return with_prefix(path, bytes.status());
   if (bytes->size() <= limits.max_bytes) return bytes;
   const auto status = over_limit(fmt::format("it has more bytes than the limit of {}", limits.max_bytes),

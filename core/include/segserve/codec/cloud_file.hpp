@@ -41,9 +41,10 @@ bool is_taken_as_pcd(std::span<const std::byte> bytes);
 bool is_cloud_file(const std::string& path);
 
 /// Reads the file or pipe `path`, or standard input if the path is "-", and decodes its content with decode_cloud. The
-/// name of the file does not matter. NOT_FOUND if there is no such file, UNAVAILABLE if reading it fails,
-/// INVALID_ARGUMENT if it is a folder, a device or a socket, if decode_cloud refuses its content, or if it is larger
-/// than a limit. A pipe is waited for until `stop` says CANCELLED or DEADLINE_EXCEEDED. Messages begin with the path.
+/// name of the file does not matter. NOT_FOUND or PERMISSION_DENIED if the file cannot be opened, UNAVAILABLE if
+/// reading it fails, INVALID_ARGUMENT if it is a folder, a device or a socket, if decode_cloud refuses its content, or
+/// if it is larger than a limit. A pipe is waited for until `stop` says CANCELLED or DEADLINE_EXCEEDED. Messages begin
+/// with the path.
 absl::StatusOr<LabeledCloud> load_cloud(const std::string& path, const ReadOptions& options = {},
                                         const DecodeLimits& limits = {}, const StopToken& stop = {});
 

@@ -81,6 +81,7 @@ TEST_F(CloudFile, FaultsNameTheFile) {
                path("cloud.stl") + ": the name of a cloud must end in .pcd, .ply, .las, ");
 
   EXPECT_FALSE(load_cloud(folder_).ok());
+  expect_fault(load_cloud("/dev/zero").status(), "/dev/zero: it is a character device");
   const auto nowhere = save_cloud(path("no/such/folder.pcd"), Cloud{}, {});
   EXPECT_EQ(nowhere.code(), absl::StatusCode::kNotFound) << nowhere;
 }
