@@ -45,8 +45,9 @@ segctl stream frames/ --rate 10 --loop --html-live 127.0.0.1:8081
 segctl stream --moving --rate 15 --frames 600 --html-live 127.0.0.1:8081)",
       .details =
           R"(All frames go through one stream, each when its time has come. On a terminal a table shows frames, rate, latencies,
-dropped frames and segments of the last ten seconds; elsewhere there is only the summary at the end. Ctrl-C ends the
-stream.
+dropped frames and segments of the last ten seconds; elsewhere there is only the summary at the end. It also
+tells how many frames were sent more than 50 ms later than planned, because reading them took too long or, with --wait,
+the server did. Ctrl-C ends the stream.
 
 --html-live serves the page of segctl view. It follows the stream from the viewpoint that was chosen in it, segments keep
 their colors, and it can be paused. It listens on this machine only, unless --html-live-for-anyone is given; it has no

@@ -8,6 +8,7 @@ import re
 import signal
 import socket
 import subprocess
+import threading
 import time
 import unittest
 
@@ -103,6 +104,25 @@ class Stream(EndToEnd):
         told = self.stream(run, "--topic", "/points", "--wait")
         self.assertEqual((told["results"], told["failed"]), (4, 0))
         self.assertGreater(told["seconds"], 0.29)
+
+    def test_tells_that_its_rate_was_not_kept(self):
+        folder = self.folder_of_scenes(2)
+        slow = self.path("slow.pcd")
+        os.mkfifo(slow)
+
+        def feed():
+            with open(slow, "wb") as writer:
+                time.sleep(0.6)
+                writer.write((folder / "scene1.pcd").read_bytes())
+        thread = threading.Thread(target=feed)
+        thread.start()
+        self.addCleanup(thread.join)
+        done = self.run_well("stream", folder / "scene1.pcd", slow, folder / "scene2.pcd", "--rate", "20", "--wait", "--server",
+                             self.server.address, "--json", self.path("told.json"))
+        self.assertRegex(done.stdout.decode(), r"; the rate was not kept: \d frames were sent more than 50 ms late, up to \d+ ms\n$")
+        told = json.loads(self.path("told.json").read_text())
+        self.assertGreaterEqual(told["late"], 1)
+        self.assertGreater(told["longest_delay_ms"], 300)
 
     def test_loops_until_its_time_is_over(self):
         folder = self.folder_of_scenes(2)

@@ -8,10 +8,11 @@ const wait = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 const shown = (value) => (value === null ? '–' : value.toFixed(1));
 
 /** The figures of a stream in a line. */
-export function figures({results, rate, p50_ms: p50, p95_ms: p95, dropped, failed}) {
+export function figures({results, rate, p50_ms: p50, p95_ms: p95, dropped, failed, late}) {
   const counts = [`${results} results`, `${rate.toFixed(1)} a second`, `p50 ${shown(p50)} ms`, `p95 ${shown(p95)} ms`,
                   `${dropped} dropped`];
   if (failed > 0) counts.push(`${failed} failed`);
+  if (late > 0) counts.push(`${late} sent late`);
   return counts.join(' · ');
 }
 

@@ -26,6 +26,7 @@ test('figures of a stream are a line', () => {
   const stats = {results: 12, rate: 9.96, p50_ms: 31.25, p95_ms: null, dropped: 3, failed: 0};
   assert.equal(figures(stats), '12 results · 10.0 a second · p50 31.3 ms · p95 – ms · 3 dropped');
   assert.match(figures({...stats, failed: 2}), / · 2 failed$/);
+  assert.match(figures({...stats, late: 4}), / · 4 sent late$/);
 });
 
 /** Things of four supervoxels each, at these places; each thing is a segment at the threshold 0.5. */
