@@ -19,12 +19,10 @@ void PageFlags::add_to(CLI::App& app, CLI::Option* data) {
       ->type_name("FILE")
       ->needs(data)
       ->group("Output");
-  app.add_option("--worst", worst_,
-                 "number of scenes in pictures of --markdown and --html: those with the smallest WOv of objects")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str()
-      ->needs(data)
-      ->group("Output");
+  worst_option_ =
+      app.add_option("--worst", worst_,
+                     "number of scenes in pictures of --markdown and --html: those with the smallest WOv of objects");
+  worst_option_->check(CLI::Range(0, 1000))->capture_default_str()->needs(data)->group("Output");
 }
 
 /// "report.md" has its pictures in "report_pictures".
@@ -33,6 +31,9 @@ std::string PageFlags::picture_folder() const {
 }
 
 absl::Status PageFlags::announce(StagedOutput& output) const {
+  if (markdown_.empty() && html_.empty() && worst_option_->count() > 0) {
+    return absl::InvalidArgumentError("--worst needs --markdown or --html");
+  }
   if (!html_.empty()) {
     RETURN_IF_ERROR(output.announce(html_));
     RETURN_IF_ERROR(check_output_name("--html", html_, OutputKind::kPage));

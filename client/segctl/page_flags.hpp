@@ -36,6 +36,7 @@ class PageFlags {
   std::string markdown_;
   std::string html_;
   std::size_t worst_ = 5;
+  CLI::Option* worst_option_ = nullptr;
 };
 
 }  // namespace segserve::segctl

@@ -130,7 +130,8 @@ absl::Status SegmentArguments::check_combination() const {
   if (rgbd.given() && unit.given()) {
     return absl::InvalidArgumentError("--unit does not go with RGB-D images: --depth-scale tells their unit");
   }
-  if (segments && !json.given() && result_path.empty() && !many) {
+  const bool writes_summaries = !out_dir.empty() && cameras.empty();
+  if (segments && !json.given() && result_path.empty() && !writes_summaries) {
     return absl::InvalidArgumentError("--segments needs --json, --result or --out-dir, which tell of them");
   }
   if (local && server.server_given()) {

@@ -67,6 +67,8 @@ class CommandLine(EndToEnd):
                 ("--tls-ca is for a server: not together with --local", "segment", scene, "--local", "--tls-ca", "x.pem"),
                 ("--compare is for clouds that are segmented", "view", result, "--cloud", scene, "-o", "x.html", "--compare", "color"),
                 ("--threshold is for clouds that are segmented", "view", result, "--cloud", scene, "-o", "x.html", "--threshold", "0.1"),
+                ("--segments needs --json, --result or --out-dir", "segment", self.folder, "--contact-sheet", "x.png", "--segments"),
+                ("--worst needs --markdown or --html", "eval", "--data", self.folder, "--worst", "3"),
                 ("--cloud is for saved results", "view", scene, "--cloud", scene, "-o", "x.html")):
             self.assertIn(said, self.run_badly(BAD_INPUT, *arguments))
 
