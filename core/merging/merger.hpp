@@ -137,9 +137,10 @@ class MergeProcess {
 
   /// Region q joins region p, p < q.
   void merge(std::uint32_t p, std::uint32_t q) {
+    const Evidence between = links_.find(p, q).evidence;
     links_.merge(p, q);
     if constexpr (PartialRegionMetric<Metric>) find_changes(p);
-    metric_.merge(p, q);
+    metric_.merge(p, q, between);
     best_.set(q, MergeCandidate{});
     const std::vector<Link>& links = links_.of(p);
     check_.after(2 * links.size());

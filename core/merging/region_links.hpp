@@ -45,6 +45,9 @@ class RegionLinks {
   std::vector<Link>& of(std::uint32_t region) { return links_[region]; }
   const std::vector<Link>& of(std::uint32_t region) const { return links_[region]; }
 
+  /// The link of region a to b, which must be there.
+  const Link& find(std::uint32_t a, std::uint32_t b) { return *lower_bound(links_[a], b); }
+
   /// Adds an edge of regions a and b to both lists. They may be out of order until `sort`.
   void add(std::uint32_t a, const Link& link) {
     links_[a].push_back(link);

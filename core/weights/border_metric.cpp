@@ -90,6 +90,16 @@ BorderMetric::BorderMetric(const RegionGraph& graph, std::vector<BorderEvidence>
     size_term_.push_back(size_term(region.voxels));
     points_.push_back(region.points);
   }
+  contacts_.resize(voxels_.size());
+  for (std::size_t e = 0; e < evidence_.size(); ++e) {
+    contacts_[graph.edges[e].a] += evidence_[e].contacts;
+    contacts_[graph.edges[e].b] += evidence_[e].contacts;
+  }
+  for (std::size_t r = 0; r < voxels_.size(); ++r) is_chip_.push_back(is_chip(voxels_[r], contacts_[r]) ? 1 : 0);
+}
+
+bool BorderMetric::is_chip(double voxels, double contacts) const {
+  return voxels < constants_.smallest_size || contacts > constants_.chip_contacts * voxels;
 }
 
 double BorderMetric::size_term(double voxels) const {
@@ -107,8 +117,10 @@ double BorderMetric::weight(double dissimilarity) const {
   return 1 / (1 + math::exp(-std::clamp(dissimilarity, -700.0, 700.0)));
 }
 
-void BorderMetric::merge(std::uint32_t into, std::uint32_t from) {
+void BorderMetric::merge(std::uint32_t into, std::uint32_t from, const BorderEvidence& between) {
   voxels_[into] += voxels_[from];
+  contacts_[into] += contacts_[from] - 2 * between.contacts;
+  is_chip_[into] = is_chip_[into] != 0 && is_chip_[from] != 0 && is_chip(voxels_[into], contacts_[into]) ? 1 : 0;
   size_term_[into] = size_term(voxels_[into]);
   points_[into] += points_[from];
 }

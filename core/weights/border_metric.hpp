@@ -25,6 +25,9 @@ struct BorderConstants {
   double size_weight = 0.6;       ///< of each doubling of the smaller region beyond `size`
   double size = 22;               ///< voxels
   double smallest_size = 33;      ///< voxels; a smaller region with a neighbor does not stay on its own
+  /// Nor does a chip: a region with more contacts across its borders than this for each of its voxels. A strip between
+  /// two other regions has as many if it is one and a half voxels wide.
+  double chip_contacts = 4;
   double size_limit = 1100;  ///< voxels; larger regions count as this, so that far scenes are treated like near ones
 };
 
@@ -72,17 +75,21 @@ class BorderMetric {
   double weight(double dissimilarity) const;
   /// The size term is that of the smaller region.
   bool counts(std::uint32_t r, std::uint32_t neighbor) const { return voxels_[r] < voxels_[neighbor]; }
-  bool too_small(std::uint32_t r) const { return voxels_[r] < constants_.smallest_size || points_[r] < min_points_; }
-  void merge(std::uint32_t into, std::uint32_t from);
+  /// A region that was large and thick enough stays so, whatever chips join it.
+  bool too_small(std::uint32_t r) const { return is_chip_[r] != 0 || points_[r] < min_points_; }
+  void merge(std::uint32_t into, std::uint32_t from, const BorderEvidence& between);
 
  private:
+  bool is_chip(double voxels, double contacts) const;
   double size_term(double voxels) const;
 
   BorderConstants constants_;
   std::uint32_t min_points_;
   std::vector<BorderEvidence> evidence_;
   std::vector<double> voxels_;
-  std::vector<double> size_term_;  // which a region adds to the dissimilarity to a larger one
+  std::vector<double> contacts_;       // with all neighbors
+  std::vector<std::uint8_t> is_chip_;  // or smaller than smallest_size
+  std::vector<double> size_term_;      // which a region adds to the dissimilarity to a larger one
   std::vector<std::uint32_t> points_;
 };
 

@@ -106,7 +106,7 @@ void PaperMetric::dissimilarities(std::span<const RegionEdge> pairs, double* res
   }
 }
 
-void PaperMetric::merge(std::uint32_t into, std::uint32_t from) {
+void PaperMetric::merge(std::uint32_t into, std::uint32_t from, const Evidence&) {
   regions_[into].merge(regions_[from]);
   update_surface(into);
   color_[into] = srgb_to_lab((1.0 / regions_[into].points) * regions_[into].color_sum);

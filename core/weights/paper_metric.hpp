@@ -43,7 +43,7 @@ class PaperMetric {
   std::span<const double> initial_dissimilarities() const { return initial_; }
   double weight(double dissimilarity) const { return dissimilarity; }
   bool too_small(std::uint32_t r) const { return regions_[r].points < min_points_; }
-  void merge(std::uint32_t into, std::uint32_t from);
+  void merge(std::uint32_t into, std::uint32_t from, const Evidence& = {});
 
   /// The weight of color against geometry; 1/2 for Equalization.
   double lambda() const { return weight_.lambda(); }

@@ -18,7 +18,7 @@ namespace segserve {
 /// - dissimilarity(a, b, evidence) gives the order of the merges. It must be the same bits for (a, b) and (b, a).
 /// - weight(dissimilarity) maps it to [0, 1], where it may saturate. It grows with it, up to rounding.
 /// - too_small(r) says that a region cannot stay on its own. Merging never makes a region too small.
-/// - merge(into, from) makes one region of two; `into` is the smaller number.
+/// - merge(into, from, evidence) makes one region of two, whose edge has this evidence; `into` is the smaller number.
 template <typename T>
 concept RegionMetric = requires(T metric, const T& constant, typename T::Evidence evidence, std::uint32_t r, double d,
                                 std::size_t e) {
@@ -28,7 +28,7 @@ concept RegionMetric = requires(T metric, const T& constant, typename T::Evidenc
   { constant.dissimilarity(r, r, evidence) } -> std::convertible_to<double>;
   { constant.weight(d) } -> std::convertible_to<double>;
   { constant.too_small(r) } -> std::convertible_to<bool>;
-  metric.merge(r, r);
+  metric.merge(r, r, evidence);
   evidence += evidence;
 };
 

@@ -133,7 +133,7 @@ struct TableMetric {
   }
   double weight(double dissimilarity) const { return dissimilarity; }
   bool too_small(std::uint32_t r) const { return r == small; }
-  void merge(std::uint32_t into, std::uint32_t) {
+  void merge(std::uint32_t into, std::uint32_t, const Evidence&) {
     if (into == small) small = kNone;
   }
   static constexpr std::uint32_t kNone = 99;

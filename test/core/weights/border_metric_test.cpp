@@ -72,7 +72,7 @@ TEST(BorderMetric, WeighsEvidenceAgainstBiasAndSize) {
   EXPECT_EQ(metric.dissimilarity(1, 2, {3, 7}), metric.dissimilarity(2, 1, {3, 7}));
   BorderMetric large(regions({1100, 110000, 110000}), {}, 0, {});
   EXPECT_EQ(large.dissimilarity(0, 1, {1, 10}), large.dissimilarity(1, 2, {1, 10})) << "beyond size_limit";
-  metric.merge(1, 0);
+  metric.merge(1, 0, {});
   EXPECT_NEAR(metric.dissimilarity(1, 2, {4, 4 * 14.5}), 0.6 * std::log2(2.5), 1e-12);
   EXPECT_EQ(metric.points(1), 21U);
 }
@@ -84,6 +84,45 @@ TEST(BorderMetric, RegionsOfFewVoxelsOrPointsAreTooSmall) {
   EXPECT_FALSE(by_voxels.too_small(1));
   EXPECT_TRUE(by_points.too_small(1));
   EXPECT_FALSE(by_points.too_small(2));
+}
+
+/// Regions of these sizes, each with an edge of so many contacts to a large one, which is the last.
+BorderMetric beside_a_large_one(std::vector<double> voxels, const std::vector<double>& contacts) {
+  voxels.push_back(1000);
+  RegionGraph graph = regions(voxels);
+  std::vector<BorderEvidence> evidence;
+  for (std::uint32_t r = 0; r < contacts.size(); ++r) {
+    graph.edges.push_back({r, static_cast<std::uint32_t>(contacts.size())});
+    evidence.push_back({contacts[r], 0});
+  }
+  return {graph, std::move(evidence), 0, {}};
+}
+
+TEST(BorderMetric, ThinRegionsAreTooSmall) {
+  const BorderMetric metric = beside_a_large_one({100, 100, 33}, {400, 401, 132});
+  EXPECT_FALSE(metric.too_small(0)) << "four contacts for each voxel";
+  EXPECT_TRUE(metric.too_small(1));
+  EXPECT_FALSE(metric.too_small(2));
+  EXPECT_FALSE(metric.too_small(3)) << "the large one";
+}
+
+TEST(BorderMetric, ThinRegionsThatBecomeThickAreNotTooSmall) {
+  // Two strips side by side have 300 contacts with each other, and 250 each with what is around them.
+  RegionGraph graph = regions({100, 100, 5000});
+  graph.edges = {{0, 1}, {0, 2}, {1, 2}};
+  BorderMetric metric(graph, {{300, 0}, {250, 0}, {250, 0}}, 0, {});
+  EXPECT_TRUE(metric.too_small(0) && metric.too_small(1));
+  metric.merge(0, 1, metric.evidence(0));
+  EXPECT_FALSE(metric.too_small(0));
+}
+
+TEST(BorderMetric, AThickRegionStaysLargeEnoughWhateverJoinsIt) {
+  RegionGraph graph = regions({34, 20, 5000});
+  graph.edges = {{0, 1}, {0, 2}, {1, 2}};
+  BorderMetric metric(graph, {{1, 0}, {135, 0}, {150, 0}}, 0, {});
+  EXPECT_FALSE(metric.too_small(0));
+  metric.merge(0, 1, metric.evidence(0));
+  EXPECT_FALSE(metric.too_small(0)) << "though it has 285 contacts and 54 voxels";
 }
 
 TEST(BorderMetric, WeightIsTheSigmoid) {
