@@ -4,10 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <set>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "fmt/format.h"
 #include "google/protobuf/util/json_util.h"
 #include "grpcpp/support/byte_buffer.h"
@@ -20,27 +23,48 @@ namespace {
 
 constexpr std::array kCodecs{ConnectCodec::kProto, ConnectCodec::kJson};
 
-/// Whether a text of JSON may have more values than a message may. Each value but the first comes after one of these
-/// characters, outside of strings.
-bool has_too_many_values(std::string_view json) {
+/// The place of the quotation mark that ends a string of JSON, or the end of the text.
+std::size_t end_of_string(std::string_view json, std::size_t begin) {
+  std::size_t at = begin + 1;
+  while (at < json.size() && json[at] != '"') at += json[at] == '\\' ? 2 : 1;
+  return std::min(at, json.size());
+}
+
+/// Whether a string that ends there is the name of a member.
+bool is_name(std::string_view json, std::size_t end) {
+  const std::size_t next = json.find_first_not_of(" \t\r\n", std::min(end + 1, json.size()));
+  return next != std::string_view::npos && json[next] == ':';
+}
+
+/// What keeps a text from being parsed: more values than a message may have, each of which but the first comes after
+/// one of these characters outside of strings, or a member that an object has twice, of which the parser would take the
+/// last one. Empty if there is nothing.
+std::string fault_of_json(std::string_view json) {
   std::size_t values = 0;
-  bool in_string = false;
+  std::vector<std::set<std::string_view>> members;  // of the objects and arrays that have begun and not ended
   for (std::size_t i = 0; i < json.size(); ++i) {
-    if (in_string) {
-      if (json[i] == '\\') ++i;
-      in_string = i < json.size() && json[i] != '"';
-    } else if (json[i] == '"') {
-      in_string = true;
-    } else if (json[i] == ',' || json[i] == '[' || json[i] == '{') {
-      if (++values > wire::kMostMessageValues) return true;
+    const char c = json[i];
+    if (c == '"') {
+      const std::size_t end = end_of_string(json, i);
+      const std::string_view text = json.substr(i + 1, end - i - 1);
+      i = end;
+      if (members.empty() || !is_name(json, end) || members.back().insert(text).second) continue;
+      constexpr std::size_t kMostText = 64;
+      return fmt::format("has an object with the member {} twice",
+                         absl::CHexEscape({text.data(), std::min(text.size(), kMostText)}));
     }
+    if (c == ',' || c == '[' || c == '{') {
+      if (++values > wire::kMostMessageValues) return fmt::format("has more than {} values", wire::kMostMessageValues);
+    }
+    if (c == '[' || c == '{') members.emplace_back();
+    if ((c == ']' || c == '}') && !members.empty()) members.pop_back();
   }
-  return false;
+  return "";
 }
 
 absl::Status parse_json(const std::string& body, const char* name, google::protobuf::Message& message) {
-  if (has_too_many_values(body)) {
-    return wire::malformed(fmt::format("the {} has more than {} values", name, wire::kMostMessageValues));
+  if (const std::string fault = fault_of_json(body); !fault.empty()) {
+    return wire::malformed(fmt::format("the {} {}", name, fault));
   }
   google::protobuf::util::JsonParseOptions options;
   options.ignore_unknown_fields = true;  // as those of a binary message are

@@ -116,6 +116,22 @@ TEST(Accept, ChoosesTheFormOfTheAnswer) {
   EXPECT_EQ(accepted_form("image/png"), std::nullopt);
 }
 
+TEST(ConnectMessages, HaveNoMemberTwice) {
+  const auto fault = [](const std::string& json) {
+    v1::SegmentRequest request;
+    return std::string(parse_connect(ConnectCodec::kJson, json, "SegmentRequest", request).message());
+  };
+  EXPECT_EQ(
+      fault(R"({"requestId":"a","options":{"lambda":0.5},"prompts":{"include":[{"pixel":{"column":1,"row":2}}]}})"),
+      "");
+  EXPECT_EQ(fault(R"({"requestId":"a:\"", "options":{"requestId":1}})"), "") << "unknown fields are ignored";
+  EXPECT_THAT(fault(R"({"options":{"lambda":0.5, "regions":2, "lambda" : 0.6}})"),
+              HasSubstr("the SegmentRequest has an object with the member lambda twice"));
+  EXPECT_THAT(fault(R"({"prompts":{"include":[{"point":{"x":1,"x":2}}]}})"), HasSubstr("the member x twice"));
+  for (const char* broken : {"\"", "{\"", "{\"a", "}]", "{\"a\\", ":", "[\"a\":"})
+    EXPECT_NE(fault(broken), "") << broken;
+}
+
 TEST(ConnectMessages, RoundTripInBothCodecs) {
   v1::SegmentRequest request;
   request.set_request_id("\"[{,");
