@@ -89,6 +89,8 @@ std::string resolution_text(const Resolution& resolution) {
       return voxels + " (auto, by the noise of the points)";
     case ResolutionReason::kExtent:
       return voxels + " (auto, by the size of the scene)";
+    case ResolutionReason::kSweep:
+      return voxels + " at 1 m (auto, as fine as the rays of the LiDAR)";
   }
   return voxels;
 }

@@ -8,6 +8,7 @@
 #include "core/base/voxel_scale.hpp"
 #include "core/math/vec3.hpp"
 #include "core/region_graph/region_graph.hpp"
+#include "core/voxels/voxel_grid.hpp"
 
 namespace segserve {
 
@@ -32,7 +33,7 @@ struct SupervoxelSurface {
 
 /// The edge of the voxels of the border method at `position`, meters.
 inline double border_voxel_edge(const VoxelScale& scale, const Vec3& position) {
-  return scale.in_proportion ? position.z * scale.voxel : scale.voxel;
+  return scale.in_proportion ? depth_of(scale, position) * scale.voxel : scale.voxel;
 }
 
 /// Finds the surfaces of all supervoxels (m). CANCELLED, DEADLINE_EXCEEDED.

@@ -17,6 +17,15 @@ constexpr std::int64_t kLayer = std::int64_t{1} << kCellBits;  // between rows, 
 constexpr VoxelKey kCellMask = kLayer - 1;
 
 /// Fills the columns except for the normals, for which it makes room.
+/// The edge, meters, against which distances from a plane count. Voxels of a camera are deeper than wide because of its
+/// noise. Those of a sweep are so where it sees surfaces at grazing angles, and its ranges have centimeters of noise.
+double fitting_edge(const FrameContext& frame, const Vec3& centroid) {
+  constexpr double kLeastOfSweep = 0.3;  // meters
+  const double edge = voxel_edge(frame.scale, frame.view(), centroid);
+  if (frame.scale.sweep) return std::max(kLeastOfSweep, edge);
+  return edge * frame.scale.elongation(centroid.z);
+}
+
 absl::Status fill_columns(const FrameContext& frame, const VoxelGrid& grid, Neighborhoods& n) {
   const std::size_t count = grid.size(), room = count + kColumnPadding;
   for (auto* column : {&n.x, &n.y, &n.z}) column->resize(room);
@@ -27,7 +36,7 @@ absl::Status fill_columns(const FrameContext& frame, const VoxelGrid& grid, Neig
   StopCheck check(frame.stop);
   check.for_each(0, count, [&](std::size_t v) {
     const Vec3& centroid = grid.centroid[v];
-    const double edge = voxel_edge(frame.scale.voxel, frame.view(), centroid) * frame.scale.elongation(centroid.z);
+    const double edge = fitting_edge(frame, centroid);
     n.x[v] = centroid.x, n.y[v] = centroid.y, n.z[v] = centroid.z;
     n.inverse_square_edge[v] = static_cast<float>(1 / (edge * edge));
     n.cell_x[v] = static_cast<std::int32_t>(grid.key[v] & kCellMask);

@@ -16,6 +16,7 @@
 #include "core/merging/border_merging.hpp"
 #include "core/merging/paper_merging.hpp"
 #include "core/normals/edge_aware_normals.hpp"
+#include "core/normals/step_separation.hpp"
 #include "core/normals/two_ring_normals.hpp"
 #include "core/region_graph/region_graph.hpp"
 #include "core/scale/scale_choice.hpp"
@@ -24,6 +25,7 @@
 #include "core/support_plane/support_plane_removal.hpp"
 #include "core/voxels/coarser_resolution.hpp"
 #include "core/voxels/component_bridging.hpp"
+#include "core/voxels/seam.hpp"
 #include "core/voxels/seeing_cameras.hpp"
 #include "core/voxels/voxel_adjacency.hpp"
 #include "core/voxels/voxel_positions.hpp"
@@ -182,8 +184,10 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
     release_if(is_large, w.support_plane_removal);
   }
   if (by_border) {
+    RETURN_IF_ERROR(join_seam(frame, w.grid, w.adjacency));
     RETURN_IF_ERROR(bridge_components(frame, w.grid, {}, w.adjacency));
     RETURN_IF_ERROR(w.edge_aware_normals.run(frame, w.grid, w.adjacency, w.normals));
+    RETURN_IF_ERROR(separate_steps(frame, w.grid, w.normals, w.adjacency));
   } else {
     RETURN_IF_ERROR(w.two_ring_normals.run(frame, w.grid, w.adjacency, w.normals));
   }

@@ -47,7 +47,8 @@ absl::Status measure_borders(const FrameContext& frame, const RegionGraph& graph
     border.contacts += 1;
     if (concavity.is_flat(normals[v], normals[u])) return;
     const double angle = concavity.angle(grid.centroid[v], normals[v], grid.centroid[u], normals[u]);
-    border.concavity += std::max(0.0, angle - zone.noise * frame.scale.excess_noise(grid.centroid[v].z));
+    border.concavity +=
+        std::max(0.0, angle - zone.noise * frame.scale.excess_noise(depth_of(frame.scale, grid.centroid[v])));
   });
   check.for_each(0, borders.size(), [&](std::size_t e) { borders[e].concavity /= borders[e].contacts; });
   return check.status();

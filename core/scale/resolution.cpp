@@ -9,7 +9,7 @@
 namespace segserve {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames = {"given", "dense", "spacing", "noise", "extent"};
+constexpr std::array<std::string_view, 6> kNames = {"given", "dense", "spacing", "noise", "extent", "sweep"};
 
 }  // namespace
 

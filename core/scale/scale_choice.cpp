@@ -5,8 +5,10 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/math/elementary.hpp"
 #include "core/scale/camera_sampling.hpp"
 #include "core/scale/cloud_sampling.hpp"
+#include "core/scale/sweep_sampling.hpp"
 
 namespace segserve {
 namespace {
@@ -46,6 +48,27 @@ void choose_for_world(const FrameContext& frame, StopCheck& check, ChosenScale& 
   if (chosen.scale.voxel < usual) chosen.reason = ResolutionReason::kExtent;
 }
 
+/// Voxels as fine as the rays of a LiDAR's sweep, instead of cubes so large that they hold enough of its farthest
+/// points.
+void choose_for_sweep(const FrameContext& frame, StopCheck& check, ChosenScale& chosen) {
+  constexpr double kRings = 1.25, kPitches = 1.6, kStep = 0.8;
+  constexpr double kMostSlender = 1.5;  // height of a voxel over its width
+  constexpr double kFinest = 0.009;     // radians; finer voxels cost time and show the relief of walls
+  constexpr double kRelief = 0.15;      // meters; steps and folds of less are noise, or no border between objects
+  const auto sampling = estimate_sweep_sampling(frame, check);
+  if (!sampling) return;
+  VoxelScale& scale = chosen.scale;
+  const double height = kRings * sampling->ring;
+  scale.voxel = std::max({kFinest, kPitches * sampling->azimuth, height / kMostSlender});
+  scale.voxel = math::kPi / math::floor_to_int(math::kPi / scale.voxel);  // as many voxels on both sides
+  const Eigen::Vector3f& sensor = *frame.view().sensor;
+  scale.sweep = {sensor[0], sensor[1], sensor[2], std::max(1.0, height / scale.voxel), kRelief / scale.voxel};
+  scale.elongation_depth = 1 / (kStep * sampling->slope * scale.sweep->elevation_ratio);
+  scale.in_proportion = true;
+  chosen.reason = ResolutionReason::kSweep;
+  chosen.fitting_voxel = 0;
+}
+
 }  // namespace
 
 absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame) {
@@ -57,6 +80,8 @@ absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame) {
     choose_for_camera(frame, check, chosen);
   } else {
     choose_for_world(frame, check, chosen);
+    const bool may_be_sweep = chosen.reason == ResolutionReason::kSpacing && !frame.options.seed_resolution;
+    if (may_be_sweep) choose_for_sweep(frame, check, chosen);
   }
   VoxelScale& scale = chosen.scale;
   if (frame.options.seed_resolution) {

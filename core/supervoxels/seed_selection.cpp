@@ -176,7 +176,7 @@ absl::Status SeedSelection::run(const FrameContext& frame, const std::vector<Vec
   for (std::size_t c = 0; c < cells.cell_count() && !check.after(1); ++c) {
     const std::uint32_t seed = cells.nearest_to_center(c);
     const double edge =
-        frame.scale.in_proportion ? frame.scale.voxel : voxel_edge(frame.scale.voxel, frame.view(), positions[seed]);
+        frame.scale.in_proportion ? frame.scale.voxel : voxel_edge(frame.scale, frame.view(), positions[seed]);
     const double voxels_of_disc = math::kPi * radius * radius / (edge * edge);
     (cells.more_within(c, seed, radius, 0.05 * voxels_of_disc) ? seeds.chosen : seeds.sparse).push_back(seed);
   }

@@ -15,8 +15,9 @@ namespace segserve {
 /// fixed-point coordinates is the greatest power of two that is not above voxel / 4096 (2 micrometers at 8 mm); their
 /// range is 2^30 units on either side of 0.
 struct CellMapping {
-  explicit CellMapping(const VoxelScale& scale)
-      : cells_per_meter(static_cast<float>(1 / scale.voxel)),
+  explicit CellMapping(const VoxelScale& voxel_scale)
+      : scale(voxel_scale),
+        cells_per_meter(static_cast<float>(1 / scale.voxel)),
         units_per_meter(unit_scale(scale.voxel)),
         elongation_depth(static_cast<float>(scale.elongation_depth)),
         elongation_depth_logarithm(scale.elongation_depth < kFar ? static_cast<float>(math::ln(scale.elongation_depth))
@@ -30,6 +31,9 @@ struct CellMapping {
   static constexpr float kCellLimit = static_cast<float>(kCellBias - 2);  // Neighbors never leave the 21 bits.
   static constexpr float kSmallestDepth = 1.1754944e-38F;  // Below it, numbers are subnormal and ln is not defined.
 
+  static constexpr double kSmallestRange = 1e-6;  // meters; a ray without an echo
+
+  const VoxelScale scale;
   const float cells_per_meter;
   const float units_per_meter;
   const float elongation_depth;            ///< VoxelScale::elongation_depth, meters

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/radix_sort.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/voxels/voxel_links.hpp"
 
 namespace segserve {
 namespace {
@@ -59,11 +59,6 @@ Components components_of(const VoxelGrid& grid, const VoxelAdjacency& adjacency,
   return components;
 }
 
-struct Bridge {
-  std::uint32_t from, to;
-  auto operator<=>(const Bridge&) const = default;
-};
-
 /// Finds the voxels near one voxel after another. Each row of cells of the block around a voxel has a position in the
 /// sorted keys. Voxels are asked for in ascending order, so that positions only move forward, by steps that double.
 class BlockSearch {
@@ -107,49 +102,6 @@ class BlockSearch {
   std::vector<std::size_t> row_;
 };
 
-/// The bridges in both directions, ascending and distinct.
-std::vector<Bridge> both_ways(const std::vector<Bridge>& bridges, StopCheck& check) {
-  std::vector<std::uint64_t> keys;
-  keys.reserve(2 * bridges.size());
-  check.for_each(0, bridges.size(), [&](std::size_t i) {
-    const auto [from, to] = bridges[i];
-    keys.push_back(std::uint64_t{from} << 32U | to);
-    keys.push_back(std::uint64_t{to} << 32U | from);
-  });
-  std::vector<std::uint32_t> order;
-  math::sort_order(keys, order, check);
-  std::vector<Bridge> result;
-  result.reserve(keys.size());
-  check.for_each(0, keys.size(), [&](std::size_t i) {
-    const std::uint64_t key = keys[order[i]];
-    const Bridge bridge{static_cast<std::uint32_t>(key >> 32U), static_cast<std::uint32_t>(key)};
-    if (result.empty() || bridge != result.back()) result.push_back(bridge);
-  });
-  return result;
-}
-
-/// Makes both ends of each bridge neighbors of one another.
-void add_bridges(const std::vector<Bridge>& one_way, StopCheck& check, VoxelAdjacency& adjacency) {
-  const std::vector<Bridge> bridges = both_ways(one_way, check);
-  VoxelAdjacency result;
-  result.offset.reserve(adjacency.offset.size());
-  result.neighbor.reserve(adjacency.neighbor.size() + bridges.size());
-  result.offset.push_back(0);
-  auto bridge = bridges.begin();
-  check.for_each(0, adjacency.offset.size() - 1, [&](std::size_t i) {
-    const auto v = static_cast<std::uint32_t>(i);
-    const auto old = adjacency.of(v);
-    const auto middle = result.neighbor.insert(result.neighbor.end(), old.begin(), old.end()) - result.neighbor.begin();
-    const auto grown = static_cast<std::ptrdiff_t>(result.neighbor.size());
-    for (; bridge != bridges.end() && bridge->from == v; ++bridge) result.neighbor.push_back(bridge->to);
-    const auto begin = result.neighbor.begin();
-    std::inplace_merge(begin + middle, begin + grown, result.neighbor.end());
-    result.offset.push_back(static_cast<std::uint32_t>(result.neighbor.size()));
-    return result.offset[i + 1] - result.offset[i] + std::uint64_t{1};
-  });
-  adjacency = std::move(result);
-}
-
 }  // namespace
 
 absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid, const BridgingOptions& options,
@@ -159,7 +111,7 @@ absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid,
   const auto is_small = [&](std::uint32_t component) { return components.voxels(component) < options.voxels; };
   std::vector<std::uint32_t> in_small(grid.size());  // the voxels of small components
   std::iota(in_small.begin(), in_small.end(), 0U);
-  std::vector<Bridge> bridges;
+  std::vector<VoxelLink> bridges;
   for (int reach = 2; reach <= options.reach; ++reach) {
     std::size_t left = 0;
     check.for_each(0, in_small.size(), [&](std::size_t i) {
@@ -183,7 +135,7 @@ absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid,
     // Components are united after the search, so that the bridges do not depend on the order of the voxels.
     check.for_each(first, bridges.size(), [&](std::size_t i) { components.unite(bridges[i].from, bridges[i].to); });
   }
-  if (!bridges.empty() && !check.stopped()) add_bridges(bridges, check, adjacency);
+  if (!bridges.empty() && !check.stopped()) add_links(bridges, check, adjacency);
   return check.status();
 }
 

@@ -3,6 +3,7 @@
 
 #include "core/base/stop_check.hpp"
 #include "core/voxels/cell_input.hpp"
+#include "core/voxels/sweep_cells.hpp"
 
 namespace segserve {
 
@@ -30,7 +31,9 @@ void RangeVoxelizer::run(std::size_t begin, std::size_t end, StopCheck& check, V
 
 void RangeVoxelizer::find_cells(const PointSelection& selection, std::size_t first, std::size_t count) {
   const CellInput in = cell_input(cloud_, selection, mapping_, first);
-  const PointsWithoutCell chunk = kernels_.find_cells(in, count, {keys_.data(), x_.data(), y_.data(), z_.data()});
+  const CellOutput out{keys_.data(), x_.data(), y_.data(), z_.data()};
+  const PointsWithoutCell chunk = mapping_.scale.sweep ? find_sweep_cells(in, mapping_, selection, count, out)
+                                                       : kernels_.find_cells(in, count, out);
   PointsWithoutCell& sum = part_.without_cell;
   if (chunk.others > 0 && sum.others == 0) sum.first_other = first + chunk.first_other;
   sum.zeros += chunk.zeros;
@@ -43,7 +46,7 @@ void RangeVoxelizer::count_finite(std::size_t first, std::size_t count) {
   const bool camera = cloud_.view.kind == ViewKind::kCamera;
   for (std::size_t i = first; i < first + count; ++i) {
     const float x = cloud_.x[i], y = cloud_.y[i], z = cloud_.z[i];
-    const bool is_zero = camera && x == 0 && y == 0 && z == 0;
+    const bool is_zero = (camera && x == 0 && y == 0 && z == 0) || is_without_echo(mapping_.scale, {x, y, z});
     part_.finite_points += static_cast<std::size_t>(is_finite(x, y, z) && !is_zero);
   }
 }

@@ -7,6 +7,7 @@
 
 #include "core/base/stop_check.hpp"
 #include "core/math/elementary.hpp"
+#include "core/voxels/voxel_grid.hpp"
 #include "core/weights/region_metric.hpp"
 #include "core/weights/simd/weight_kernels.hpp"
 
@@ -15,10 +16,10 @@ namespace {
 
 static_assert(PartialRegionMetric<BorderMetric>);
 
-/// The tolerance for supervoxels at depth z, meters.
-SurfaceTolerance tolerance_at(const VoxelScale& scale, const BorderConstants& constants, double z) {
+/// The tolerance for supervoxels at this depth (depth_of), meters.
+SurfaceTolerance tolerance_at(const VoxelScale& scale, const BorderConstants& constants, double depth) {
   constexpr double kHighestStep = 0.1, kFlat = 10;  // of a voxel; degrees
-  const double unit = scale.in_proportion ? z : 1, noise = scale.excess_noise(z);
+  const double unit = scale.in_proportion ? depth : 1, noise = scale.excess_noise(depth);
   return {kHighestStep * (1 + constants.noise_step * noise) * unit * scale.voxel, unit * scale.seed,
           kFlat + constants.noise_angle * noise};
 }
@@ -73,8 +74,9 @@ absl::Status find_border_evidence(const FrameContext& frame, const RegionGraph& 
   check.for_each(0, graph.edges.size(), [&](std::size_t e) {
     const auto [a, b] = graph.edges[e];
     const Region &ra = graph.regions[a], &rb = graph.regions[b];
-    const bool cut = is_cut(ra.centroid, normal[a], rb.centroid, normal[b],
-                            tolerance_at(frame.scale, constants, 0.5 * (ra.centroid.z + rb.centroid.z)));
+    const double depth = 0.5 * (depth_of(frame.scale, ra.centroid) + depth_of(frame.scale, rb.centroid));
+    const bool cut =
+        is_cut(ra.centroid, normal[a], rb.centroid, normal[b], tolerance_at(frame.scale, constants, depth));
     const double z = (cut ? constants.cut_weight : 0) + constants.concavity_weight * borders[e].concavity +
                      constants.color_weight * difference[e];
     evidence[e] = {borders[e].contacts, borders[e].contacts * z};

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "test/core/support/sweep.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "segserve/segment.hpp"
+
+namespace segserve {
+namespace {
+
+/// For each surface of the street, the label of most of its points, and their share.
+struct Majority {
+  std::uint32_t label = 0;
+  double share = 0;
+};
+
+std::map<std::uint32_t, Majority> majorities(const test::Street& street, const Segmentation& result) {
+  std::map<std::uint32_t, std::map<std::uint32_t, double>> counts;
+  for (std::size_t i = 0; i < street.surface.size(); ++i) ++counts[street.surface[i]][result.labels[i]];
+  std::map<std::uint32_t, Majority> result_of;
+  for (const auto& [surface, labels] : counts) {
+    double all = 0;
+    for (const auto& [label, count] : labels) all += count;
+    const auto most = std::ranges::max_element(labels, {}, [](const auto& l) { return l.second; });
+    result_of[surface] = {most->first, most->second / all};
+  }
+  return result_of;
+}
+
+TEST(Sweep, KeepsTheGroundWholeAndCarsApart) {
+  // Cars before the sensor, behind it across the seam, and 2 m before the wall.
+  test::Street street{
+      .boxes = {{{8, 2, -1.8F}, {12, 4, -0.3F}}, {{-12, -1, -1.8F}, {-8, 1, -0.3F}}, {{-4, 8, -1.8F}, {0, 10, -0.3F}}}};
+  street.rings = 70;  // down to the ground before the cars, whose shadows part it farther away
+  const Cloud cloud = street.sweep();
+  const Segmentation result = *segment(cloud, {});
+  EXPECT_EQ(result.resolution.reason, ResolutionReason::kSweep);
+  const auto of = majorities(street, result);
+  ASSERT_EQ(of.size(), 5U);
+  for (const auto& [surface, majority] : of) EXPECT_GT(majority.share, 0.9) << "surface " << surface;
+  for (const auto& [a, first] : of) {
+    for (const auto& [b, second] : of) {
+      if (a == b) continue;
+      EXPECT_NE(first.label, second.label) << "surfaces " << a << " and " << b;
+    }
+  }
+}
+
+TEST(Sweep, DoesNotDependOnTheOrderOfThePointsNorOnThreads) {
+  test::Street street;
+  const Cloud cloud = street.sweep();
+  std::vector<std::uint32_t> order(cloud.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::ranges::shuffle(order, std::mt19937(3));
+  const Segmentation once = *segment(cloud, {}), shuffled = *segment(test::permuted(cloud, order), {});
+  const Segmentation threaded = *segment(cloud, {.threads = 3});
+  EXPECT_EQ(threaded.labels, once.labels);
+  EXPECT_EQ(shuffled.segments, once.segments);
+  std::vector<std::uint32_t> back(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) back[order[i]] = shuffled.labels[i];
+  EXPECT_EQ(back, once.labels);
+}
+
+TEST(Sweep, NumbersGiveCubes) {
+  const Cloud cloud = test::Street().sweep();
+  EXPECT_EQ(segment(cloud, {.voxel_resolution = 0.4})->resolution.reason, ResolutionReason::kGiven);
+  EXPECT_NE(segment(cloud, {.seed_resolution = 2})->resolution.reason, ResolutionReason::kSweep);
+  EXPECT_NE(segment(cloud, {.method = Method::kLambda})->resolution.reason, ResolutionReason::kSweep);
+}
+
+TEST(Sweep, LeavesOutRaysWithoutAnEcho) {
+  Cloud cloud = test::Street().sweep();
+  const std::size_t echoes = cloud.size();
+  for (int i = 0; i < 500; ++i) test::add(cloud, 0, 0, 0, 0);
+  const Segmentation result = *segment(cloud, {});
+  EXPECT_EQ(result.zero_points, 500U);
+  EXPECT_EQ(result.finite_points, echoes);
+  EXPECT_EQ(result.labels.back(), 0U);
+}
+
+TEST(Sweep, ItsSupportPlaneCanBeRemoved) {
+  test::Street street;
+  const Cloud cloud = street.sweep();
+  const Segmentation result = *segment(cloud, {.support_plane_distance = 0.2});
+  ASSERT_TRUE(result.support_plane);
+  const auto of = majorities(street, result);
+  EXPECT_EQ(of.at(0).label, 0U);
+  EXPECT_NE(of.at(2).label, 0U);
+}
+
+}  // namespace
+}  // namespace segserve
