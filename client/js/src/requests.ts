@@ -48,7 +48,7 @@ export interface SegmentCall {
 
 /** The largest size of a request, bytes. */
 export const MOST_REQUEST_BYTES = 8 << 20;
-const SLACK_BYTES = 4 << 10;  // of everything in a request but the blocks
+const SLACK_BYTES = 8 << 10;  // of everything in a request but the blocks
 const MOST_NAME_BYTES = 256;
 
 /** TypeError, RangeError: the arguments make no sense. */

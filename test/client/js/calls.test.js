@@ -6,12 +6,15 @@ import os from 'node:os';
 import path from 'node:path';
 import {afterEach, beforeEach, describe, it} from 'node:test';
 import {FakeServer} from './fake_server.js';
-import {ours} from './package.js';
+import {ours, theirs} from './package.js';
 
+const {toBinary} = await theirs('@bufbuild/protobuf');
 const {Client, SegserveError} = await ours('index');
 const {checkedRetry} = await ours('address_book');
 const {Repetition} = await ours('repetition');
+const {fitsMessage, MOST_REQUEST_BYTES, requestMessage, segmentCall} = await ours('requests');
 const {TlsError} = await ours('errors');
+const {SegmentRequestSchema} = await ours('gen/segserve/v1/segmentation_service_pb');
 const CLOUD = {xyz: new Float32Array(60).fill(1), width: 5, height: 4, view: 'camera', outputs: ['labels']};
 
 let server, client, folder;
@@ -43,6 +46,17 @@ describe('a call', () => {
                          {code: 'UNIMPLEMENTED'});  // as the server selects nothing
     const {prompts} = server.requests[1];
     assert.deepEqual([prompts.include[0].place.value.column, prompts.exclude[0].place.value.x, prompts.larger], [3, 0.5, -1]);
+  });
+
+  it('fits into a message with everything that may be said of a cloud', () => {
+    let size = MOST_REQUEST_BYTES;
+    while (!fitsMessage({payload: {size}})) size -= 12;
+    const places = Array.from({length: 64}, () => [0.1, 0.2, 0.3]);
+    const name = 'x'.repeat(256);
+    const call = segmentCall({xyz: new Float32Array(3 * Math.floor(size / 12)).fill(1), view: 'world:1,2,3', codec: 'planar', requestId: name,
+                              frameId: name, stamp: new Date(), prompts: {include: places, exclude: places, larger: -1}});
+    assert.ok(fitsMessage(call));
+    assert.ok(toBinary(SegmentRequestSchema, requestMessage(call)).length <= MOST_REQUEST_BYTES);
   });
 
   it('asks for health and for what the server can do', async () => {
