@@ -15,6 +15,8 @@ export {type Echo, type OrientedBox, type Picked, type Placement, type Places, t
         type ResultWarning, type Segment, type StageTimings, type SupportPlane, type Triple} from './result.js';
 export {type Intrinsics, type Pixels, type RgbdImages} from './rgbd.js';
 export {type Candidate} from './selection.js';
+export {type Pose, type Tracking, type TrackRules} from './tracking.js';
+export {type TrackEvent, type TrackEventKind, Tracks} from './tracks.js';
 export {type Cut, MergeTree, type MergeTreeColumns, NO_NODE} from './tree.js';
 export {type CameraPoints, type View, type ViewLike} from './view.js';
 export {hasZstd, useZstd, type Zstd} from './zstd.js';

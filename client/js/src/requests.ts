@@ -7,6 +7,7 @@ import {CLOUD_NAMES, type CloudOrPayload, payloadOf} from './encode.js';
 import {type SegmentOptions} from './gen/segserve/v1/options_pb.js';
 import {type Prompts as PromptsMessage} from './gen/segserve/v1/prompts_pb.js';
 import {type SegmentRequest, SegmentRequestSchema, type SegmentResponse} from './gen/segserve/v1/segmentation_service_pb.js';
+import {type TrackRequest} from './gen/segserve/v1/tracking_pb.js';
 import {type NamesOf, refuseUnknown} from './names.js';
 import {checkedOutputs, DEFAULT_OUTPUTS, optionsMessage, type Output, outputsMessage, type Segmentation,
         SEGMENTATION_NAMES} from './options.js';
@@ -14,6 +15,7 @@ import {type Payload} from './payload.js';
 import {type Prompts, promptsMessage} from './places.js';
 import {type Echo, ECHO_NAMES, type Result} from './result.js';
 import {decodeResult} from './result_message.js';
+import {type Tracking, trackRequest} from './tracking.js';
 
 /** How a call is made. */
 export interface CallOptions {
@@ -31,11 +33,13 @@ export type SegmentArguments = CloudOrPayload & Segmentation & Echo & CallOption
   outputs?: readonly Output[];
   /** Places on an object and beside it, of which Result.selection tells what they select. */
   prompts?: Prompts;
+  /** Asks for ids that objects keep, Result.tracks. True: of new objects. Its state is that of the cloud before. */
+  track?: boolean | Tracking;
 };
 
 const CALL_NAMES: Record<keyof CallOptions, true> = {timeoutMs: true, signal: true, traceparent: true};
 const SEGMENT_NAMES: Record<NamesOf<SegmentArguments>, true> =
-    {...CLOUD_NAMES, ...SEGMENTATION_NAMES, ...ECHO_NAMES, ...CALL_NAMES, outputs: true, prompts: true};
+    {...CLOUD_NAMES, ...SEGMENTATION_NAMES, ...ECHO_NAMES, ...CALL_NAMES, outputs: true, prompts: true, track: true};
 
 /** A cloud with everything that belongs to its segmentation, checked. */
 export interface SegmentCall {
@@ -43,12 +47,13 @@ export interface SegmentCall {
   readonly options: SegmentOptions;
   readonly outputs: readonly Output[];
   readonly prompts?: PromptsMessage;
+  readonly tracking?: TrackRequest;
   readonly echo: Echo;
 }
 
 /** The largest size of a request, bytes. */
 export const MOST_REQUEST_BYTES = 8 << 20;
-const SLACK_BYTES = 8 << 10;  // of everything in a request but the blocks
+const SLACK_BYTES = 8 << 10;  // of everything in a request but the blocks and the state
 const MOST_NAME_BYTES = 256;
 
 /** TypeError, RangeError: the arguments make no sense. */
@@ -59,6 +64,7 @@ export function segmentCall(given: SegmentArguments): SegmentCall {
     options: optionsMessage(given),
     outputs: checkedOutputs(given.outputs ?? DEFAULT_OUTPUTS),
     prompts: given.prompts && promptsMessage(given.prompts),
+    tracking: trackRequest(given.track),
     echo: checkedEcho(given),
   };
 }
@@ -74,11 +80,11 @@ export function checkedEcho({requestId, frameId, stamp}: Echo): Echo {
 }
 
 /** Whether the request fits into one message. */
-export function fitsMessage({payload}: SegmentCall): boolean {
-  return payload.size <= MOST_REQUEST_BYTES - SLACK_BYTES;
+export function fitsMessage({payload, tracking}: SegmentCall): boolean {
+  return payload.size + (tracking?.state.length ?? 0) <= MOST_REQUEST_BYTES - SLACK_BYTES;
 }
 
-export function requestMessage({payload, options, outputs, prompts, echo}: SegmentCall): SegmentRequest {
+export function requestMessage({payload, options, outputs, prompts, tracking, echo}: SegmentCall): SegmentRequest {
   return create(SegmentRequestSchema, {
     requestId: echo.requestId ?? '',
     frameId: echo.frameId ?? '',
@@ -87,13 +93,15 @@ export function requestMessage({payload, options, outputs, prompts, echo}: Segme
     options,
     outputs: outputsMessage(outputs, payload.compressed),
     prompts,
+    tracking,
   });
 }
 
 /** SegserveError (INTERNAL) if the answer is broken. */
-export function resultOf(response: SegmentResponse, {payload, outputs, prompts, echo}: SegmentCall): Result {
+export function resultOf(response: SegmentResponse, {payload, outputs, prompts, tracking, echo}: SegmentCall): Result {
   const {points, shape} = payload;
-  return decodeResult(response.result, {points, shape, outputs, isPrompted: prompts !== undefined}, echo);
+  const expected = {points, shape, outputs, isPrompted: prompts !== undefined, isTracked: tracking !== undefined};
+  return decodeResult(response.result, expected, echo);
 }
 
 const TRACEPARENT = /^[0-9a-f]{2}-[0-9a-f]{32}-[0-9a-f]{16}-[0-9a-f]{2}$/;

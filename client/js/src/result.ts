@@ -6,6 +6,7 @@ import {type Vector3} from './gen/segserve/v1/segment_pb.js';
 import {methodName} from './options.js';
 import {checkedSteps, findPoint, type Place, type PromptedPoint} from './places.js';
 import {type Candidate, leavesBelow, Selection} from './selection.js';
+import {type Tracks} from './tracks.js';
 import {type Cut, type MergeTree} from './tree.js';
 import {type View, viewOf} from './view.js';
 
@@ -108,6 +109,7 @@ export interface ResultArrays {
   readonly tree?: MergeTree;
   readonly segments?: readonly Segment[];
   readonly selection?: Picked;
+  readonly tracks?: Tracks;
 }
 
 /** The columns and rows of an organized cloud, as far as the client knows them. */
@@ -137,6 +139,8 @@ export class Result implements ResultArrays, Echo {
   readonly segments?: readonly Segment[];
   /** What the prompts of the request select. */
   readonly selection?: Picked;
+  /** The ids of the objects, if the request asked to follow them. Then segments need not be a cut at one threshold. */
+  readonly tracks?: Tracks;
   readonly requestId: string;
   readonly frameId: string;
   readonly stamp?: Date;
@@ -180,6 +184,7 @@ export class Result implements ResultArrays, Echo {
     this.tree = arrays.tree;
     this.segments = arrays.segments;
     this.selection = arrays.selection;
+    this.tracks = arrays.tracks;
     this.width = shape.width;
     this.height = shape.height;
     this.requestId = echo.requestId ?? '';

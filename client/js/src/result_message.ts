@@ -8,6 +8,7 @@ import {type Output} from './options.js';
 import {type Echo, Result, type ResultArrays, type Shape} from './result.js';
 import {segmentsOf} from './segment_message.js';
 import {pickedOf} from './selection_message.js';
+import {tracksOf} from './tracks.js';
 import {MergeTree} from './tree.js';
 
 const MOST_POINTS = 100_000_000;  // that are believed if only the server knows how many there are
@@ -21,6 +22,8 @@ export interface Expected {
   readonly outputs: readonly Output[];
   /** Whether the request has prompts. */
   readonly isPrompted?: boolean;
+  /** Whether the request asks for the ids of objects. */
+  readonly isTracked?: boolean;
 }
 
 /** The result in an answer. SegserveError (INTERNAL) if the answer is broken, or lacks what was wanted. */
@@ -45,11 +48,15 @@ function readResult(message: SegmentationResult | undefined, expected: Expected,
     segments: message.segments.length > 0 || expected.outputs.includes('segments') ? segmentsOf(message.segments, summary) :
                                                                                      undefined,
     selection: message.selection && pickedOf(message.selection, message.selected, summary),
+    tracks: message.tracking && tracksOf(message.tracking, summary.segments),
   };
   const missing = expected.outputs.filter((name) => arrays[name] === undefined);
   if (missing.length > 0) throw new RangeError(`it lacks ${missing.join(', ')}`);
   if (expected.isPrompted && arrays.selection === undefined) {
     throw new SegserveError('UNIMPLEMENTED', 'the server is older than the prompts, and has selected nothing');
+  }
+  if (expected.isTracked && arrays.tracks === undefined) {
+    throw new SegserveError('UNIMPLEMENTED', 'the server is older than tracking, and has followed nothing');
   }
   return new Result(summary, arrays, expected.shape ?? {}, echo);
 }

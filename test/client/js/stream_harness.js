@@ -9,6 +9,7 @@ const {STATUS_CODES} = await ours('errors');
 const {optionsMessage} = await ours('options');
 const {STREAM_DEFAULTS, streamRules} = await ours('stream/frame');
 const {StreamScheduler} = await ours('stream/scheduler');
+const {frameTracking, streamTracking} = await ours('tracking');
 const {ErrorInfoSchema, RetryInfoSchema} = await ours('gen/google/rpc/error_details_pb');
 const {DrainReason, OutcomeKind, SegmentStreamRequestSchema, SegmentStreamResponseSchema} =
     await ours('gen/segserve/v1/stream_pb');
@@ -64,16 +65,17 @@ export class StreamHarness {
   last = undefined;  // the outcome that was taken last
   #payload = payloadOf();
 
-  constructor({addresses = ['a', 'b'], retry, ...rules} = {}) {
+  constructor({addresses = ['a', 'b'], retry, track, ...rules} = {}) {
     this.options = {...streamRules({...STREAM_DEFAULTS, ...rules}), options: optionsMessage({}), outputs: ['labels'],
-                    retry: checkedRetry(retry)};
+                    retry: checkedRetry(retry), tracking: streamTracking(track)};
     this.scheduler = new StreamScheduler(this.options, addresses, 0);
   }
 
   /** Hands a frame of 100 points over: 1500 bytes. Returns its sequence. */
-  send({timeoutMs = this.options.frameTimeoutMs, captured = this.now, timeToLiveMs, priority = 0} = {}) {
+  send({timeoutMs = this.options.frameTimeoutMs, captured = this.now, timeToLiveMs, priority = 0, pose} = {}) {
     const {options, outputs} = this.options;
-    const request = {payload: this.#payload, options, outputs, echo: {}, captured, timeoutMs, timeToLiveMs, priority};
+    const tracking = frameTracking(this.options.tracking, pose, captured / 1000);
+    const request = {payload: this.#payload, options, outputs, echo: {}, captured, timeoutMs, timeToLiveMs, priority, tracking};
     return this.scheduler.accept(request, this.now);
   }
 

@@ -15,6 +15,7 @@ import {type CallOptions, checkedTimeout, fitsMessage, requestMessage, resultOf,
         type SegmentCall} from '../requests.js';
 import {type Result} from '../result.js';
 import {NAMES_OF_RULES, STREAM_DEFAULTS, streamRules, type StreamRules} from '../stream/frame.js';
+import {streamTracking, type TrackRules} from '../tracking.js';
 import {Channels} from './channels.js';
 import {explained} from './handshake.js';
 import {HEALTH, type Method, SEGMENT, SERVER_INFO} from './methods.js';
@@ -24,6 +25,11 @@ import {Stream} from './stream.js';
 /** The rules of a stream, and what its frames have unless they say otherwise. */
 export type StreamArguments = Partial<StreamRules> & Segmentation & Encoding & {
   outputs?: readonly Output[];
+  /**
+   * Asks for ids that objects keep, Result.tracks. The stream hands the state on from result to result, and takes the time
+   * of a frame from its stamp or else from `captured`.
+   */
+  track?: boolean | TrackRules;
 };
 
 const STREAM_NAMES: Record<NamesOf<StreamArguments>, true> = {
@@ -34,6 +40,7 @@ const STREAM_NAMES: Record<NamesOf<StreamArguments>, true> = {
   errorBound: true,
   unit: true,
   outputs: true,
+  track: true,
 };
 
 /**
@@ -78,6 +85,7 @@ export class Client {
       options: optionsMessage(given),
       outputs: checkedOutputs(outputs),
       retry: this.#settings.retry,
+      tracking: streamTracking(given.track),
     };
     return this.#opened(new Stream(this.#channels, options, {view, codec, errorBound, unit}));
   }
@@ -119,6 +127,7 @@ export class Client {
       options: call.options,
       outputs: call.outputs,
       retry: this.#settings.retry,
+      tracking: call.tracking && {request: call.tracking, isTimed: false},
     };
     const stream = this.#opened(new Stream(this.#channels, options, {}));
     const cancel = () => stream.cancel(1);

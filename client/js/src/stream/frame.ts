@@ -5,11 +5,13 @@ import {type SegserveError} from '../errors.js';
 import {type SegmentOptions} from '../gen/segserve/v1/options_pb.js';
 import {type Prompts} from '../gen/segserve/v1/prompts_pb.js';
 import {type SegmentationResult} from '../gen/segserve/v1/result_pb.js';
+import {type TrackRequest} from '../gen/segserve/v1/tracking_pb.js';
 import {oneOf} from '../names.js';
 import {type Output} from '../options.js';
 import {type Payload} from '../payload.js';
 import {type Echo, type Result} from '../result.js';
 import {type Expected} from '../result_message.js';
+import {type StreamTracking} from '../tracking.js';
 
 const DAY_MS = 86_400_000;
 const MOST_FRAMES = 1024;
@@ -73,6 +75,7 @@ export interface StreamOptions extends StreamRules {
   readonly options: SegmentOptions;
   readonly outputs: readonly Output[];
   readonly retry: Retry;
+  readonly tracking?: StreamTracking;
 }
 
 /** The rules that a caller gives. RangeError, with all faults, if one of them makes no sense. */
@@ -112,6 +115,8 @@ export interface FrameRequest {
   readonly timeToLiveMs?: number;
   readonly priority: number;
   readonly prompts?: Prompts;
+  /** Its state is set when the frame is sent. */
+  readonly tracking?: TrackRequest;
 }
 
 /** The times and costs of a frame. Times are those of performance.now(); undefined if they did not come. */

@@ -33,8 +33,8 @@ export class QueuedFrame {
     this.deadline = now + request.timeoutMs;
     this.expires = request.timeToLiveMs === undefined ? Infinity : request.captured + request.timeToLiveMs;
     this.priority = request.priority;
-    const {echo, outputs, payload: {points, shape}, prompts} = request;
-    const expected = {points, shape, outputs, isPrompted: prompts !== undefined};
+    const {echo, outputs, payload: {points, shape}, prompts, tracking} = request;
+    const expected = {points, shape, outputs, isPrompted: prompts !== undefined, isTracked: tracking !== undefined};
     this.undecoded = {outcome: new Outcome(sequence, echo, now), expected, echo};
   }
 
@@ -50,6 +50,11 @@ export class QueuedFrame {
   /** From then on its result is of no use. */
   usefulUntil(): number {
     return Math.min(this.expires, this.deadline);
+  }
+
+  /** Whether it may be sent now. */
+  isReady(now: number): boolean {
+    return this.state === 'WAITING' && this.readyAt <= now && now < this.deadline;
   }
 
   /** Whether it takes a place in the window. Results that nobody has taken do, which bounds the memory in use. */
@@ -77,9 +82,12 @@ export class FrameQueue {
   #lastSequence = 0;
   /** How many frames have got an outcome so far. */
   ended = 0;
+  /** What the last result has left of the objects that are followed. */
+  trackState: Uint8Array;
 
   constructor(options: StreamOptions) {
     this.#options = options;
+    this.trackState = options.tracking?.request.state ?? new Uint8Array(0);
   }
 
   get size(): number {
@@ -115,21 +123,38 @@ export class FrameQueue {
     return this.#frames.get(sequence);
   }
 
-  /** The waiting frame that goes next, if the window has room for one. */
+  /**
+   * The waiting frame that goes next, if the window has room for one. In a stream that follows objects it is the oldest
+   * frame without an outcome, and gets the state that the frames before it left.
+   */
   nextToSend(now: number): QueuedFrame | undefined {
-    const frames = [...this.#frames.values()];
-    const isReady = (frame: QueuedFrame) => frame.state === 'WAITING' && frame.readyAt <= now && now < frame.deadline;
-    if (frames.filter((frame) => frame.isInFlight()).length >= this.#options.maxInFlight) {
+    if (this.#options.tracking !== undefined) return this.#nextInChain(now);
+    if (this.#isFull()) {
       if (this.#options.order === 'done') return undefined;
       // Results that came before their turn fill the window, but must not shut out the frame they wait for.
-      const oldest = frames.find(({state}) => state !== 'DONE');
-      return oldest !== undefined && isReady(oldest) ? oldest : undefined;
+      const oldest = this.#oldestUnfinished();
+      return oldest?.isReady(now) ? oldest : undefined;
     }
     let best: QueuedFrame | undefined;
-    for (const frame of frames) {
-      if (isReady(frame) && (best === undefined || frame.priority > best.priority)) best = frame;
+    for (const frame of this.#frames.values()) {
+      if (frame.isReady(now) && (best === undefined || frame.priority > best.priority)) best = frame;
     }
     return best;
+  }
+
+  #nextInChain(now: number): QueuedFrame | undefined {
+    const frame = this.#oldestUnfinished();
+    if (!frame?.isReady(now) || this.#isFull()) return undefined;
+    if (frame.request?.tracking !== undefined) frame.request.tracking.state = this.trackState;
+    return frame;
+  }
+
+  #isFull(): boolean {
+    return [...this.#frames.values()].filter((frame) => frame.isInFlight()).length >= this.#options.maxInFlight;
+  }
+
+  #oldestUnfinished(): QueuedFrame | undefined {
+    return [...this.#frames.values()].find(({state}) => state !== 'DONE');
   }
 
   /** Gives the frame its outcome. */

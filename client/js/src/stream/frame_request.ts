@@ -6,6 +6,7 @@ import {checkedOutputs, optionsMessage, type Output, type Segmentation, SEGMENTA
 import {type Prompts, promptsMessage} from '../places.js';
 import {checkedEcho, checkedTimeout} from '../requests.js';
 import {type Echo, ECHO_NAMES} from '../result.js';
+import {frameTracking, type Pose} from '../tracking.js';
 import {type FrameRequest, type StreamOptions} from './frame.js';
 
 /** A cloud, and what is special about its frame. */
@@ -21,6 +22,8 @@ export type FrameArguments = CloudOrPayload & Segmentation & Echo & {
   priority?: number;
   /** From now to the outcome, all repetitions included, milliseconds. */
   timeoutMs?: number;
+  /** Of a stream with `track`: from the frame of the cloud to one that is fixed to the world. */
+  pose?: Pose;
 };
 
 const FRAME_NAMES: Record<NamesOf<FrameArguments>, true> = {
@@ -33,6 +36,7 @@ const FRAME_NAMES: Record<NamesOf<FrameArguments>, true> = {
   timeToLiveMs: true,
   priority: true,
   timeoutMs: true,
+  pose: true,
 };
 const MOST_PRIORITY = 2 ** 31 - 1;
 
@@ -49,15 +53,22 @@ export function frameRequest(frame: FrameArguments, stream: StreamOptions, encod
   if (!Number.isInteger(priority) || Math.abs(priority) > MOST_PRIORITY) {
     throw new RangeError(`priority: ${priority} is no whole number of 32 bits`);
   }
+  const taken = Math.min(captured, now);
   return {
     payload: payloadOf(frame, encoding),
     options: hasOwn ? optionsMessage(frame) : stream.options,
     outputs: outputs === undefined ? stream.outputs : checkedOutputs(outputs),
     echo: checkedEcho(frame),
-    captured: Math.min(captured, now),
+    captured: taken,
     timeoutMs: timeoutMs === undefined ? stream.frameTimeoutMs : checkedTimeout(timeoutMs),
     timeToLiveMs,
     priority,
     prompts: frame.prompts && promptsMessage(frame.prompts),
+    tracking: frameTracking(stream.tracking, frame.pose, secondsSince1970(frame.stamp, taken)),
   };
+}
+
+/** The stamp, or else the time of performance.now(), which begins anew with each process. A saved state outlives it. */
+function secondsSince1970(stamp: Date | undefined, taken: number): number {
+  return (stamp?.getTime() ?? performance.timeOrigin + taken) / 1000;
 }

@@ -43,6 +43,7 @@ export function headerMessage(request: FrameRequest, stream: StreamOptions, usef
     options: request.options === stream.options ? undefined : request.options,
     outputs: outputsMessage(request.outputs, payload.compressed),  // whether it may be compressed depends on the frame
     prompts: request.prompts,
+    tracking: request.tracking,
     timeToLive: duration(usefulUntil - request.captured),
     age: duration(now - request.captured),
   });

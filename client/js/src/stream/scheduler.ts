@@ -284,7 +284,10 @@ export class StreamScheduler {
       this.#frames.sendAgain(frame, new SegserveError('ABORTED', message, {reason: 'CHECKSUM'}), now, now);
       return;
     }
-    if (kind === 'RESULT') frame.undecoded.message = outcome.result;
+    if (kind === 'RESULT') {
+      frame.undecoded.message = outcome.result;
+      if (outcome.result?.tracking !== undefined) this.#frames.trackState = outcome.result.tracking.state;
+    }
     this.#frames.end(frame, kind, errorOf(kind), now);
   }
 
