@@ -21,7 +21,7 @@ struct KindNames {
 };
 
 const std::array<KindNames, 7>& kinds() {
-  static const std::array<KindNames, 7> kinds{{
+  static const std::array<KindNames, 7> kKinds{{
       {OutputKind::kPicture, "a picture is written as PNG", {".png"}},
       {OutputKind::kPage, "a page is written as HTML", {".html", ".htm"}},
       {OutputKind::kMarkdown, "the tables are written as Markdown", {".md", ".markdown"}},
@@ -30,7 +30,7 @@ const std::array<KindNames, 7>& kinds() {
       {OutputKind::kResult, "the result is written in a format of its own, for segctl cut", {}},
       {OutputKind::kHistogramLog, "the histograms are written as a log of HdrHistogram", {}},
   }};
-  return kinds;
+  return kKinds;
 }
 
 constexpr std::array<std::string_view, 16> kForeign{".jpg", ".jpeg", ".gif",  ".bmp", ".webp", ".tif", ".tiff", ".svg",

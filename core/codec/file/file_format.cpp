@@ -107,8 +107,8 @@ std::optional<FileFormat> file_format_of(std::string_view path) {
 }
 
 std::string writable_extensions() {
-  std::vector<std::string_view> ends;
-  for (const Extension& extension : kWritable) ends.push_back(extension.end);
+  std::array<std::string_view, kWritable.size()> ends;
+  std::ranges::transform(kWritable, ends.begin(), &Extension::end);
   return listed(ends);
 }
 
