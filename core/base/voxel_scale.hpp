@@ -33,8 +33,13 @@ struct VoxelScale {
   /// surface lie farther apart in depth than the edge of a voxel, by noise or because the surface is seen at a grazing
   /// angle. The depth of voxels then grows with the square of z, as both of these do.
   double elongation_depth = std::numeric_limits<double>::infinity();
-  /// CAMERA view: the depth, meters, from which the noise of the sensor exceeds the edge of a voxel.
+  /// CAMERA view: the depth, meters, from which the noise of the sensor, as 2 standard deviations, exceeds the edge of
+  /// a voxel.
   double noise_depth = std::numeric_limits<double>::infinity();
+  static constexpr double kDeviationsOfNoise = 2;
+
+  /// CAMERA view: the standard deviation of 1/z by the noise, 1/m, as mean over the points of a voxel.
+  double noise() const { return voxel / (kDeviationsOfNoise * noise_depth); }
 
   /// The ratio of the depth of a voxel at depth z to its width.
   double elongation(double z) const { return z > elongation_depth ? z / elongation_depth : 1; }

@@ -4,11 +4,13 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/base/frame_context.hpp"
 #include "core/math/vec3.hpp"
 #include "core/merging/merger.hpp"
 #include "core/region_graph/borders.hpp"
 #include "core/region_graph/region_graph.hpp"
+#include "core/supervoxels/supervoxel_growth.hpp"
 #include "core/voxels/voxel_grid.hpp"
 #include "core/weights/border_metric.hpp"
 #include "segserve/merge_tree.hpp"
@@ -19,9 +21,10 @@ namespace segserve {
 /// frames.
 class BorderMerging {
  public:
-  /// Finds the evidence of all edges of the graph. CANCELLED, DEADLINE_EXCEEDED.
+  /// Finds the evidence of all edges of the graph. That within far planes which are uneven only by the noise of a
+  /// camera does not count (forgive_noisy_planes). CANCELLED, DEADLINE_EXCEEDED.
   absl::Status find_evidence(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
-                             const RegionGraph& graph);
+                             const Supervoxels& supervoxels, const RegionGraph& graph);
   const std::vector<BorderEvidence>& evidence() const { return evidence_; }
 
   /// Sets the merge tree of the graph whose evidence was found. Only the points of its regions may have changed since.
@@ -29,6 +32,9 @@ class BorderMerging {
   absl::Status run(const FrameContext& frame, const RegionGraph& graph, MergeTree& tree);
 
  private:
+  absl::StatusOr<MergeTree> merge(const FrameContext& frame, const RegionGraph& graph,
+                                  std::vector<BorderEvidence> evidence);
+
   std::vector<Border> borders_;
   std::vector<BorderEvidence> evidence_;
   Merger<BorderMetric> merger_;

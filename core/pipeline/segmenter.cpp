@@ -210,7 +210,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   // gives the dendrogram D. With the evidence of the border method, points at borders between objects find their side.
   w.reassigned.clear();
   if (by_border) {
-    RETURN_IF_ERROR(w.border_merging.find_evidence(frame, w.grid, w.normals, w.graph));
+    RETURN_IF_ERROR(w.border_merging.find_evidence(frame, w.grid, w.normals, w.supervoxels, w.graph));
     RETURN_IF_ERROR(w.point_reassignment.run(frame, w.grid, positions, w.adjacency, w.supervoxels,
                                              w.border_merging.evidence(), w.graph, w.reassigned));
   }

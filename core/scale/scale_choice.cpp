@@ -25,13 +25,13 @@ void enlarge(const FrameContext& frame, double edge, ResolutionReason reason, Ch
 }
 
 void choose_for_camera(const FrameContext& frame, StopCheck& check, ChosenScale& chosen) {
-  constexpr double kPitches = 1.6, kNoise = 2, kGap = 3, kStep = 1.25;
+  constexpr double kPitches = 1.6, kGap = 3, kStep = 1.25;
   VoxelScale& scale = chosen.scale;
   CameraSampling sampling = estimate_camera_sampling(frame, scale.voxel, check);
   enlarge(frame, kPitches * sampling.pitch, ResolutionReason::kSpacing, chosen);
   // Where a column held a point at most, planes had too few of them.
   if (chosen.reason == ResolutionReason::kSpacing) sampling = estimate_camera_sampling(frame, scale.voxel, check);
-  if (sampling.noise > 0) scale.noise_depth = scale.voxel / (kNoise * sampling.noise);
+  if (sampling.noise > 0) scale.noise_depth = scale.voxel / (VoxelScale::kDeviationsOfNoise * sampling.noise);
   const double step = std::max(kGap * sampling.noise, kStep * sampling.slope);
   if (step > 0) scale.elongation_depth = scale.voxel / step;
 }
