@@ -247,6 +247,10 @@ class HowItWorks(Document, unittest.TestCase):
     path = "docs/how_it_works.md"
 
 
+class Sensors(Document, unittest.TestCase):
+    path = "docs/sensors.md"
+
+
 class Limits(Document, unittest.TestCase):
     path = "docs/limits.md"
 
