@@ -3,8 +3,8 @@
 
 The pages are the Markdown files of the repository as they stand. They are staged in a folder of the same layout, so that their
 links to each other hold; files that they link to become pages of their own. The reference is generated: of the API from the
-comments of the proto files, of C++ from the public headers by Doxygen, of Python from docstrings, of the command line by the
-programs. Sphinx makes HTML of it all, and check_links finds what leads nowhere.
+comments of the proto files, of C++ from the public headers by Doxygen, of Python from docstrings, of JavaScript by TypeDoc, of
+the command line by the programs. Sphinx makes HTML of it all, and check_links finds what leads nowhere.
 """
 import argparse
 import os
@@ -17,6 +17,7 @@ import api_pages
 import check_links
 import cpp_pages
 import figures
+import js_pages
 import program_pages
 import python_pages
 import staging
@@ -51,6 +52,7 @@ def build(site, work):
     pages.generated(api_pages.pages(REPOSITORY))
     pages.generated(cpp_pages.pages(REPOSITORY, work.with_name(work.name + "-doxygen")))
     pages.generated(python_pages.pages(REPOSITORY))
+    pages.generated(js_pages.pages(REPOSITORY, work.with_name(work.name + "-js")))
     pages.generated(program_pages.pages(segctl, segserve))
     pages.stage()
     figures.make(REPOSITORY, pages.with_figures(), work, segctl, segserve)

@@ -15,6 +15,8 @@ sys.path.append(str(REPOSITORY / "docs/site"))
 import check_links  # noqa: E402
 
 TOOLS = ("sphinx-build", "doxygen", "protoc")
+JAVASCRIPT = (("js/index", "Segments a cloud. One that is too large for a message goes by a stream, in chunks."),
+              ("js/web", "Calls one or more servers over their web entrance.")) if shutil.which("npm") else ()
 PACKAGES = ("/usr/lib/python3/dist-packages/furo", "/usr/lib/python3/dist-packages/myst_parser")
 
 
@@ -56,7 +58,7 @@ class Site(unittest.TestCase):
         for page, said in (("api/segmentation_service", "Segments one cloud. This is the call for small clients in any language."),
                            ("cpp/segserve/segment", "A segmented cloud of N points and m supervoxels."),
                            ("python/client", "Segments a cloud. One that is too large for a message goes by a stream, in chunks."),
-                           ("segctl", "--drop-unlabeled"), ("segserve", "--drain-delay")):
+                           *JAVASCRIPT, ("segctl", "--drop-unlabeled"), ("segserve", "--drain-delay")):
             self.assertTrue(said in self.text(f"reference/{page}.html"), f"{page} does not say: {said}")
 
     def test_pages_need_no_network(self):

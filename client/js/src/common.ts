@@ -3,7 +3,7 @@
 export {type Retry} from './address_book.js';
 export {type CloudArrays, type Unit} from './cloud.js';
 export {type Codec, CODECS, type PcdFile} from './codecs.js';
-export {type CloudInput, encode} from './encode.js';
+export {type CloudInput, type CloudOrPayload, encode, type Encoding} from './encode.js';
 export {type ErrorCode, type ErrorDetails, type FieldViolation, SegserveError, TlsError} from './errors.js';
 export {type OptionInfo, type ServerInfo} from './info.js';
 export {DEFAULT_OUTPUTS, METHODS, type OptionName, type OptionValues, type Output, OUTPUTS,

@@ -24,6 +24,7 @@ import {Stream} from './stream.js';
 
 /** The rules of a stream, and what its frames have unless they say otherwise. */
 export type StreamArguments = Partial<StreamRules> & Segmentation & Encoding & {
+  /** The parts of the results; by default labels, supervoxels and tree. */
   outputs?: readonly Output[];
   /**
    * Asks for ids that objects keep, Result.tracks. The stream hands the state on from result to result, and takes the time
