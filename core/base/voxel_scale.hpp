@@ -13,6 +13,9 @@ namespace segserve {
 /// The panorama of a spinning LiDAR around the z axis. Its voxels are cells of azimuth, elevation and range, whose size
 /// in meters is in proportion to the range, as the distance between neighboring points is.
 struct SweepProjection {
+  /// Points nearer to the sensor, meters, are no measurement: rays without an echo, or the housing.
+  static constexpr double kNearest = 0.1;
+
   double x = 0, y = 0, z = 0;  ///< position of the sensor, meters
   double elevation_ratio = 1;  ///< height of a voxel over its width: rings are farther apart than points of a ring
   double noise_range = 0;      ///< meters, below which the noise of the ranges exceeds half the edge of a voxel

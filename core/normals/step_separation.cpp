@@ -13,8 +13,8 @@ namespace segserve {
 absl::Status separate_steps(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
                             VoxelAdjacency& adjacency) {
   if (!frame.scale.sweep) return absl::OkStatus();
-  constexpr double kNear = 1.5, kOnPlane = 0.5;  // heights of a voxel
-  constexpr double kLeast = 0.15;                // meters
+  constexpr double kNear = 1.5, kOnPlane = 0.5;     // heights of a voxel
+  constexpr double kLeast = 0.15, kFarthest = 0.5;  // meters
   StopCheck check(frame.stop);
   std::vector<double> height(grid.size());
   check.for_each(0, grid.size(), [&](std::size_t v) {
@@ -32,7 +32,8 @@ absl::Status separate_steps(const FrameContext& frame, const VoxelGrid& grid, co
       const std::uint32_t u = adjacency.neighbor[begin];
       const Vec3 offset = grid.centroid[u] - grid.centroid[v];
       const double mean = 0.5 * (height[u] + height[v]), most = std::max(kLeast, kOnPlane * mean);
-      const bool is_near = dot(offset, offset) <= kNear * mean * (kNear * mean);
+      const double near = std::min(kNear * mean, kFarthest);
+      const bool is_near = dot(offset, offset) <= near * near;
       if (is_near || is_on_plane(offset, normals[u], most) || is_on_plane(offset, normals[v], most)) {
         adjacency.neighbor[kept++] = u;
       }

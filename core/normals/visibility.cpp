@@ -68,7 +68,6 @@ class DirectionCube {
 
 absl::Status find_visible_voxels(const FrameContext& frame, const VoxelGrid& grid, std::vector<bool>& visible) {
   constexpr double kMargin = 2;  // voxels
-  const double voxel = frame.scale.voxel;
   const Vec3 sensor = sensor_of(frame.view());
   DirectionCube cube;
   std::vector<float> distance(grid.size());
@@ -76,11 +75,12 @@ absl::Status find_visible_voxels(const FrameContext& frame, const VoxelGrid& gri
   check.for_each(0, grid.size(), [&](std::size_t v) {
     const Vec3 offset = grid.centroid[v] - sensor;
     distance[v] = static_cast<float>(norm(offset));
-    return cube.cover(offset, distance[v], voxel);
+    return cube.cover(offset, distance[v], voxel_edge(frame.scale, frame.view(), grid.centroid[v]));
   });
   visible.resize(grid.size());
   check.for_each(0, grid.size(), [&](std::size_t v) {
-    visible[v] = distance[v] <= cube.nearest(grid.centroid[v] - sensor) + kMargin * voxel;
+    const double margin = kMargin * voxel_edge(frame.scale, frame.view(), grid.centroid[v]);
+    visible[v] = distance[v] <= cube.nearest(grid.centroid[v] - sensor) + margin;
   });
   return check.status();
 }

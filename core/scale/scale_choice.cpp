@@ -80,7 +80,9 @@ absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame) {
     choose_for_camera(frame, check, chosen);
   } else {
     choose_for_world(frame, check, chosen);
-    const bool may_be_sweep = chosen.reason == ResolutionReason::kSpacing && !frame.options.seed_resolution;
+    constexpr double kCoarse = 0.1;  // meters; finer cubes serve a room as well
+    const bool may_be_sweep =
+        chosen.reason == ResolutionReason::kSpacing && chosen.scale.voxel >= kCoarse && !frame.options.seed_resolution;
     if (may_be_sweep) choose_for_sweep(frame, check, chosen);
   }
   VoxelScale& scale = chosen.scale;

@@ -19,12 +19,14 @@ namespace segserve {
 namespace {
 
 constexpr std::size_t kMostPoints = 1'000'000;  // of a turn
+constexpr std::size_t kMostRays = 262'144;      // of a quarter of it
 constexpr std::size_t kFewestGaps = 256;        // fewer tell nothing
 constexpr double kNarrowestRings = 0.05 * math::kDegree, kWidestRings = 1.5 * math::kDegree;
 constexpr double kSliceWidth = 0.25 * math::kDegree;  // about the angle between points of a ring
 
 struct Ray {
   double azimuth, elevation, range;
+  bool operator==(const Ray&) const = default;
 };
 
 using Rays = std::vector<Ray>;
@@ -39,7 +41,6 @@ double turn_of(double x, double y) {
 /// The rays of every fourth of 64 sectors, by azimuth.
 Rays gather_rays(const FrameContext& frame, StopCheck& check) {
   constexpr double kSectorsOfQuarter = 16;
-  constexpr double kNearest = 0.1;  // meters; nearer points are the vehicle that carries the sensor
   const Eigen::Vector3f& sensor = *frame.view().sensor;
   const PointSelection selection = PointSelections(frame.options, frame.view()).at(0).selection;
   const CloudView& cloud = frame.cloud;
@@ -50,11 +51,15 @@ Rays gather_rays(const FrameContext& frame, StopCheck& check) {
     const Vec3 ray{static_cast<double>(x) - sensor[0], static_cast<double>(y) - sensor[1],
                    static_cast<double>(z) - sensor[2]};
     const double across = ray.x * ray.x + ray.y * ray.y, range = norm(ray);
-    if (!(across > 0) || range < kNearest) return;
+    if (!(across > 0) || range < SweepProjection::kNearest) return;
     if ((math::floor_to_int(kSectorsOfQuarter * turn_of(ray.x, ray.y)) & 3) != 0) return;
-    rays.push_back({math::atan2(ray.y, ray.x), math::atan2(ray.z, std::sqrt(across)), range});
+    if (rays.size() <= kMostRays)
+      rays.push_back({math::atan2(ray.y, ray.x), math::atan2(ray.z, std::sqrt(across)), range});
   });
   std::ranges::sort(rays, {}, [](const Ray& r) { return std::make_tuple(r.azimuth, r.elevation, r.range); });
+  // Drivers that write two echoes a ray write a single one twice.
+  const auto repeated = std::ranges::unique(rays);
+  rays.erase(repeated.begin(), repeated.end());
   return rays;
 }
 
@@ -126,16 +131,19 @@ bool is_even(const Rays& rays, const SweepSampling& sampling) {
   return quantile(counts, 0.9) <= kMostUneven * usual;
 }
 
-/// Whether rays of nearly the same direction end at nearly the same range.
+/// Whether rays of nearly the same direction end at nearly the same range. There may be hardly any such rays, and the
+/// few of a sensor that moves are those at the edges of things.
 bool has_one_surface(const std::vector<std::span<Ray>>& slices, const SweepSampling& sampling) {
-  constexpr double kNear = 0.25, kSame = 1.1, kShare = 0.8;
-  std::size_t pairs = 0, same = 0;
+  constexpr double kNear = 0.25, kSame = 1.1, kShare = 0.8, kFewOfAll = 0.05;
+  std::size_t pairs = 0, same = 0, rays = 0;
+  for (const auto& slice : slices) rays += slice.size();
   for_each_pair(slices, [&](const Ray& a, const Ray& b) {
     if (b.elevation - a.elevation > kNear * sampling.ring) return;
     if (std::fabs(b.azimuth - a.azimuth) > 2 * sampling.azimuth) return;
     ++pairs;
     same += static_cast<std::size_t>(std::max(a.range, b.range) <= kSame * std::min(a.range, b.range));
   });
+  if (static_cast<double>(pairs - same) <= kFewOfAll * static_cast<double>(rays)) return true;
   return static_cast<double>(same) >= kShare * static_cast<double>(pairs);
 }
 
@@ -154,6 +162,7 @@ double slope_of(const std::vector<std::span<Ray>>& slices, double ring) {
 std::optional<SweepSampling> estimate_sweep_sampling(const FrameContext& frame, StopCheck& check) {
   if (!frame.view().sensor || frame.cloud.size() > kMostPoints) return std::nullopt;
   Rays rays = gather_rays(frame, check);
+  if (rays.size() > kMostRays) return std::nullopt;
   const auto slices = slices_of(rays);
   SweepSampling sampling;
   sampling.ring = ring_angle(slices);

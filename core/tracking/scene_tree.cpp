@@ -10,6 +10,16 @@
 #include "core/math/elementary.hpp"
 
 namespace segserve::tracking {
+namespace {
+
+/// The depth in meters with which voxels grow at `position`; 1 where they are the same everywhere.
+double depth_of(const Vec3& position, const Resolution& resolution, const View& view) {
+  if (view.kind == ViewKind::kCamera) return position.z;
+  const bool is_sweep = resolution.reason == ResolutionReason::kSweep && view.sensor;
+  return is_sweep ? norm(position - to_vec3(view.sensor->cast<double>())) : 1;
+}
+
+}  // namespace
 
 absl::StatusOr<SceneTree> SceneTree::make(const Segmentation& segmentation, const View& view, const StopToken& stop) {
   StopCheck check(stop);
@@ -26,7 +36,7 @@ absl::StatusOr<SceneTree> SceneTree::make(const Segmentation& segmentation, cons
   check.for_each(0, m, [&](std::size_t leaf) {
     const SupervoxelFeatures& features = segmentation.supervoxel_features[leaf];
     const Vec3 center = to_vec3(features.centroid), color = to_vec3(features.color);
-    const double edge = segmentation.resolution.voxel * (view.kind == ViewKind::kCamera ? center.z : 1);
+    const double edge = segmentation.resolution.voxel * depth_of(center, segmentation.resolution, view);
     const double area = features.voxels * edge * edge;
     scene.leaf_centers_[leaf] = center;
     scene.leaf_colors_[leaf] = color;

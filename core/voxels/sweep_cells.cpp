@@ -17,9 +17,9 @@ bool is_within(float limit, float x, float y, float z) {
   return std::fabs(x) < limit && std::fabs(y) < limit && std::fabs(z) < limit;
 }
 
-/// The last column of the turn also holds the direction of its end, which is that of its beginning.
+/// The first and the last column also hold what rounding puts beyond the ends of the turn.
 std::int32_t column_of(double position, std::int32_t columns) {
-  return std::min(math::floor_to_int(position), columns / 2 - 1);
+  return std::clamp(math::floor_to_int(position), -columns / 2, columns / 2 - 1);
 }
 
 VoxelKey biased(std::int32_t coordinate) {
@@ -29,7 +29,7 @@ VoxelKey biased(std::int32_t coordinate) {
 }  // namespace
 
 bool is_without_echo(const VoxelScale& scale, const Vec3& point) {
-  return scale.sweep && depth_of(scale, point) < CellMapping::kSmallestRange;
+  return scale.sweep && depth_of(scale, point) < SweepProjection::kNearest;
 }
 
 PointsWithoutCell find_sweep_cells(const CellInput& in, const CellMapping& mapping, const PointSelection& selection,

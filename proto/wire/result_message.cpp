@@ -83,9 +83,11 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation) {
   using codec::WarningReason;
   std::vector<codec::Warning> warnings;
   if (const std::size_t zeros = segmentation.zero_points; zeros > 0) {
-    warnings.push_back({WarningReason::kPointsNotUsed,
-                        fmt::format("{} point{} at (0, 0, 0), where the camera is, {} no measurement{}", zeros,
-                                    zeros == 1 ? "" : "s", zeros == 1 ? "is" : "are", zeros == 1 ? "" : "s")});
+    const bool is_sweep = segmentation.resolution.reason == ResolutionReason::kSweep;
+    const char* const where = is_sweep ? "within 10 cm of the LiDAR" : "at (0, 0, 0), where the camera is,";
+    warnings.push_back(
+        {WarningReason::kPointsNotUsed, fmt::format("{} point{} {} {} no measurement{}", zeros, zeros == 1 ? "" : "s",
+                                                    where, zeros == 1 ? "is" : "are", zeros == 1 ? "" : "s")});
   }
   if (const std::size_t far = segmentation.points_beyond_grid; far > 0) {
     warnings.push_back({WarningReason::kPointsNotUsed, fmt::format("{} point{} far beyond the others {} not used", far,

@@ -37,11 +37,11 @@ export interface Segment {
   readonly stability?: number;
 }
 
-/** How large voxels and supervoxels were, and why. For a camera, lengths are those at 1 m distance. */
+/** How large voxels and supervoxels were, and why. For a camera and a sweep, lengths are those at 1 m distance. */
 export interface Resolution {
   readonly voxel: number;  // meters
   readonly seed: number;   // meters
-  /** "given", "dense", "spacing", "noise" or "extent". */
+  /** "given", "dense", "spacing", "noise", "extent" or "sweep". */
   readonly reason: string;
   /** The depth from which the noise of the sensor exceeds a voxel, meters. Undefined if no noise is known. */
   readonly noiseDepth?: number;

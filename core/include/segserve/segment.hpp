@@ -55,10 +55,10 @@ struct Segmentation {
   std::vector<SegmentStatistics> statistics;
   std::vector<Eigen::Vector3d> supervoxel_normals;      ///< m: sums of the unit normals of each supervoxel's voxels
   std::vector<SupervoxelFeatures> supervoxel_features;  ///< m: what `track` needs (segserve/tracking.hpp)
-  std::size_t finite_points = 0;              ///< points that are finite, segmented or not; zero_points do not count
-  std::size_t zero_points = 0;                ///< points at (0, 0, 0) in a CAMERA view: pixels without depth
-  std::size_t points_beyond_grid = 0;         ///< finite points that were left out because they are beyond the grid
-  std::size_t segmented_points = 0;           ///< points with a label other than 0
+  std::size_t finite_points = 0;       ///< points that are finite, segmented or not; zero_points do not count
+  std::size_t zero_points = 0;         ///< points at (0, 0, 0) in a CAMERA view, or within 10 cm of a sweep's sensor
+  std::size_t points_beyond_grid = 0;  ///< finite points that were left out because they are beyond the grid
+  std::size_t segmented_points = 0;    ///< points with a label other than 0
   std::optional<SupportPlane> support_plane;  ///< set if the options ask for its removal
   std::size_t voxels = 0;                     ///< voxels that were segmented
   /// Set if nearly every voxel holds a single point, or if even voxels of 1 m are too fine for the cloud: an edge of

@@ -2,8 +2,11 @@
 #include "core/lab/view_page/view_page.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "core/base/status_macros.hpp"
 #include "core/lab/view_page/page_array.hpp"
@@ -143,6 +146,23 @@ absl::Status check_result(const PageResult& result, std::span<const PageCloud> c
   return absl::OkStatus();
 }
 
+/// The edge of the voxels, meters, in which neighbors are looked for. Those of a sweep grow with the range, and are
+/// taken as wide as in the middle of it, and a half more.
+double voxel_of(const Resolution& resolution, const CloudView& cloud) {
+  constexpr double kUnknown = 0.01, kWider = 1.5;  // results of older versions do not tell their voxels
+  if (resolution.voxel <= 0) return kUnknown;
+  if (resolution.reason != ResolutionReason::kSweep || !cloud.view.sensor) return resolution.voxel;
+  std::vector<float> ranges;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const float range = (Eigen::Vector3f(cloud.x[i], cloud.y[i], cloud.z[i]) - *cloud.view.sensor).norm();
+    if (std::isfinite(range)) ranges.push_back(range);
+  }
+  if (ranges.empty()) return resolution.voxel;
+  const auto middle = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() / 2);
+  std::ranges::nth_element(ranges, middle);
+  return kWider * resolution.voxel * std::max(1.0, static_cast<double>(*middle));
+}
+
 }  // namespace
 
 absl::StatusOr<PageData> page_data(const std::string& title, std::span<const PageCloud> clouds,
@@ -155,8 +175,7 @@ absl::StatusOr<PageData> page_data(const std::string& title, std::span<const Pag
   std::vector<double> spacing(clouds.size(), 0);
   for (const PageResult& result : results) {
     RETURN_IF_ERROR(check_result(result, clouds));
-    // Results of older versions do not tell their voxels.
-    const double voxel = result.segmentation->resolution.voxel > 0 ? result.segmentation->resolution.voxel : 0.01;
+    const double voxel = voxel_of(result.segmentation->resolution, clouds[result.cloud].points);
     const auto neighbors = supervoxel_neighbors(clouds[result.cloud].points, result.segmentation->supervoxels, voxel);
     spacing[result.cloud] = neighbors.spacing;
     json["results"].push_back(result_json(arrays, result, neighbors, shown[result.cloud]));

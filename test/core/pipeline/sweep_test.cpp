@@ -85,6 +85,38 @@ TEST(Sweep, LeavesOutRaysWithoutAnEcho) {
   EXPECT_EQ(result.labels.back(), 0U);
 }
 
+TEST(Sweep, LeavesOutTheHousingOfTheSensor) {
+  Cloud cloud = test::Street().sweep();
+  const std::uint32_t segments = segment(cloud, {})->segments;
+  std::mt19937 random(5);
+  const auto near = [&] { return 0.05F * (static_cast<float>(random() % 2001) / 1000.0F - 1); };
+  for (int i = 0; i < 3000; ++i) test::add(cloud, near(), near(), near(), 0);
+  const Segmentation result = *segment(cloud, {});
+  EXPECT_EQ(result.zero_points, 3000U);
+  EXPECT_EQ(result.segments, segments);
+}
+
+TEST(Sweep, ReachesAsFarAsAScannerDoes) {
+  Cloud cloud = test::Street().sweep();
+  const std::size_t street = cloud.size();
+  for (int i = 0; i < 4000; ++i) {  // mountains, 6 km away
+    test::add(cloud, 6000, static_cast<float>(20 * (i % 200)), static_cast<float>(20 * (i / 200)), 0);
+  }
+  const Segmentation result = *segment(cloud, {});
+  EXPECT_EQ(result.points_beyond_grid, 0U);
+  EXPECT_EQ(result.segmented_points, cloud.size());
+  EXPECT_NE(result.labels[street], 0U);
+}
+
+TEST(Sweep, ASmallRoomKeepsItsCubes) {
+  const Cloud street = test::Street().sweep();
+  Cloud room = street;
+  for (auto* axis : {&room.x, &room.y, &room.z}) {
+    for (float& v : *axis) v *= 0.1F;
+  }
+  EXPECT_NE(segment(room, {})->resolution.reason, ResolutionReason::kSweep);
+}
+
 TEST(Sweep, ItsSupportPlaneCanBeRemoved) {
   test::Street street;
   const Cloud cloud = street.sweep();

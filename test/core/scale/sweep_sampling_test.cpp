@@ -76,6 +76,33 @@ TEST(SweepSampling, IsNotDeceivedByOtherClouds) {
   EXPECT_FALSE(sampling_of(few));
 }
 
+TEST(SweepSampling, KnowsASensorThatMovesDuringTheTurn) {
+  test::Street street;
+  for (const double meters : {0.05, 0.5, 1.4}) {
+    street.motion = meters;
+    const auto sampling = sampling_of(street.sweep());
+    ASSERT_TRUE(sampling) << meters << " m a turn";
+    EXPECT_NEAR(sampling->ring, 0.4 * math::kDegree, 0.02 * math::kDegree);
+  }
+}
+
+TEST(SweepSampling, IsNotDeceivedByPointsThatComeTwice) {
+  Cloud cloud = test::Street().sweep();
+  const auto once = sampling_of(cloud);
+  const std::size_t points = cloud.size();
+  for (std::size_t i = 0; i < points; ++i) test::add(cloud, cloud.x[i], cloud.y[i], cloud.z[i], 0);
+  const auto twice = sampling_of(cloud);
+  ASSERT_TRUE(once && twice);
+  EXPECT_EQ(twice->azimuth, once->azimuth);
+}
+
+TEST(SweepSampling, AFewPointsBehindOthersChangeNothing) {
+  test::Street street{.azimuth = 0.35};  // so wide that a slice has one column at most
+  Cloud cloud = street.sweep();
+  for (std::size_t i = 0; i < 300; ++i) test::add(cloud, 3 * cloud.x[i], 3 * cloud.y[i], 3 * cloud.z[i], 0);
+  EXPECT_TRUE(sampling_of(cloud));
+}
+
 TEST(SweepSampling, SurvivesPointsAtTheSensorAndAboveIt) {
   Cloud cloud = test::Street().sweep();
   for (int i = 0; i < 2000; ++i) test::add(cloud, 0, 0, i % 2 == 0 ? 0.0F : 3.0F, 0);

@@ -19,7 +19,8 @@ struct Street {
   int rings = 40;
   double ring = 0.4, azimuth = 0.25;  ///< degrees between rings, and between points of a ring
   double from = 0, to = 360;          ///< degrees of azimuth that are swept
-  float sensor[3] = {0, 0, 0};        ///< in the cloud's frame, meters
+  double motion = 0;            ///< meters along x by which the sensor moves during a turn; points are where they are
+  float sensor[3] = {0, 0, 0};  ///< in the cloud's frame, meters
   std::vector<Box> boxes = {{{8, 2, -1.8F}, {12, 4, -0.3F}}};
 
   /// The surface of each point: 0 the ground, 1 the wall, 2 and up the boxes. Points without an echo are left out.
@@ -33,14 +34,14 @@ struct Street {
       for (int k = 0; k < columns; ++k) {
         constexpr double kDegree = 3.14159265358979323846 / 180;
         const double a = (from + azimuth * k) * kDegree, e = (3 - ring * i) * kDegree;
-        cast(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e), cloud);
+        cast(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e), motion * k / columns, cloud);
       }
     }
     return cloud;
   }
 
  private:
-  void cast(double x, double y, double z, Cloud& cloud) {
+  void cast(double x, double y, double z, double shift, Cloud& cloud) {
     constexpr double kFar = 60;
     double range = kFar;
     std::uint32_t hit = 0;
@@ -49,19 +50,21 @@ struct Street {
     };
     meet(-1.8 / z, 0);
     meet(12 / y, 1);
-    for (std::size_t b = 0; b < boxes.size(); ++b)
-      meet(distance_to(boxes[b], x, y, z), static_cast<std::uint32_t>(2 + b));
+    for (std::size_t b = 0; b < boxes.size(); ++b) {
+      meet(distance_to(boxes[b], shift, x, y, z), static_cast<std::uint32_t>(2 + b));
+    }
     if (range >= kFar) return;
-    add(cloud, static_cast<float>(range * x) + sensor[0], static_cast<float>(range * y) + sensor[1],
+    add(cloud, static_cast<float>(range * x + shift) + sensor[0], static_cast<float>(range * y) + sensor[1],
         static_cast<float>(range * z) + sensor[2], 0);
     surface.push_back(hit);
   }
 
-  static double distance_to(const Box& box, double x, double y, double z) {
+  static double distance_to(const Box& box, double shift, double x, double y, double z) {
     double first = 0, last = std::numeric_limits<double>::infinity();
     const double ray[3] = {x, y, z};
     for (int axis = 0; axis < 3; ++axis) {
-      const double a = box.low[axis] / ray[axis], b = box.high[axis] / ray[axis];
+      const double from_here = axis == 0 ? shift : 0;
+      const double a = (box.low[axis] - from_here) / ray[axis], b = (box.high[axis] - from_here) / ray[axis];
       first = std::max(first, std::min(a, b)), last = std::min(last, std::max(a, b));
     }
     return first < last ? first : -1;

@@ -31,11 +31,11 @@ _MOST_POINTS = 100_000_000  # that are believed if only the server knows how man
 
 
 class Resolution(NamedTuple):
-    """How large voxels and supervoxels were, and why. For a camera, lengths are those at 1 m distance."""
+    """How large voxels and supervoxels were, and why. For a camera and a sweep, lengths are those at 1 m distance."""
 
     voxel: float  # meters
     seed: float  # meters
-    reason: str  # "given", "dense", "spacing", "noise" or "extent"
+    reason: str  # "given", "dense", "spacing", "noise", "extent" or "sweep"
     noise_depth: float | None  # meters
 
 
