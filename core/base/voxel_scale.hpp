@@ -18,7 +18,7 @@ struct SweepProjection {
 
   double x = 0, y = 0, z = 0;  ///< position of the sensor, meters
   double elevation_ratio = 1;  ///< height of a voxel over its width: rings are farther apart than points of a ring
-  double noise_range = 0;      ///< meters, below which the noise of the ranges exceeds half the edge of a voxel
+  double noise_range = 0;      ///< meters, below which noise, and relief that is no border, exceed a voxel
 };
 
 /// How large the voxels and supervoxels of a frame are, everywhere in the scene.
