@@ -220,14 +220,15 @@ std::string fault_of_values(const CLI::Option& option, const CLI::ParseError& er
   return CLI::detail::find_and_replace(std::move(text), " not in ", " is not in ");
 }
 
-std::string empty_values(const CLI::App& app) {
+std::string empty_values(const CLI::App& app, std::initializer_list<std::string_view> except) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
   std::vector<std::string> faults;
   for (const CLI::Option* option : command->get_options()) {
     const bool is_empty = option->get_type_size() != 0 && option->count() > 0 &&
                           std::ranges::any_of(option->results(), &std::string::empty);
-    if (is_empty) faults.push_back(fmt::format("{} is empty", option->get_name()));
+    const bool may_be_empty = std::ranges::find(except, option->get_name()) != except.end();
+    if (is_empty && !may_be_empty) faults.push_back(fmt::format("{} is empty", option->get_name()));
   }
   return joined(faults, "; ");
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <initializer_list>
 #include <string>
+#include <string_view>
 
 #include "CLI/CLI.hpp"
 
@@ -19,6 +21,7 @@ std::string usage_faults(CLI::App& app, const CLI::ParseError& error);
 
 /// Names the options of the command that were given with an empty value, as "--view-from is empty", in one line; empty
 /// if there is none. Scripts do so by a variable that is not set, and to most options an empty text is none at all.
-std::string empty_values(const CLI::App& app);
+/// An empty text is a value of the options in `except`.
+std::string empty_values(const CLI::App& app, std::initializer_list<std::string_view> except = {});
 
 }  // namespace segserve

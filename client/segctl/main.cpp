@@ -61,7 +61,8 @@ int run(int argc, char** argv) {
     print_error(segserve::usage_faults(app, error));
     return kBadInput;
   }
-  const std::string empty = segserve::empty_values(app);
+  // The health service without a name is the server as a whole.
+  const std::string empty = segserve::empty_values(app, {"--service"});
   if (!empty.empty()) {
     print_error(empty);
     return kBadInput;

@@ -38,9 +38,9 @@ class Program {
   }
 
   /// Tells which values of these arguments are empty.
-  std::string empty(std::vector<std::string> arguments) {
+  std::string empty(std::vector<std::string> arguments, std::initializer_list<std::string_view> except = {}) {
     app_.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-    return empty_values(app_);
+    return empty_values(app_, except);
   }
 
  private:
@@ -95,6 +95,7 @@ TEST(EmptyValues, AreToldByTheirOptions) {
   EXPECT_EQ(Program().empty({"paint", "", "--title", ""}), "FILE is empty; --title is empty");
   EXPECT_EQ(Program().empty({"paint", "a", "--dry"}), "") << "a flag has no value";
   EXPECT_EQ(Program().empty({"paint", "a", "--title", " "}), "");
+  EXPECT_EQ(Program().empty({"paint", "", "--title", ""}, {"--title"}), "FILE is empty");
 }
 
 }  // namespace
