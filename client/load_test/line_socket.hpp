@@ -28,7 +28,7 @@ class LineSocket {
 
   /// Sends the line and a line feed. UNAVAILABLE if the connection is cut, or the other end takes nothing for 10 s.
   absl::Status send(std::string_view line);
-  /// The same, without a line feed.
+  /// Sends the text as it is, with the errors of `send`.
   absl::Status send_text(std::string_view text);
   /// The next line without its line feed; nothing if none has come within the time. UNAVAILABLE if the connection is
   /// over, or the line is longer than that.

@@ -23,7 +23,7 @@ struct ServerMetrics {
 
   /// The growth of the samples of a name, summed over all labels but those that must have the value given.
   double growth(const std::string& name, const std::map<std::string, std::string>& labels = {}) const;
-  /// The same, by the value of one label; those that did not grow are left out.
+  /// The growth for each value of one label. Values whose samples did not grow are left out.
   std::map<std::string, double> growth_by(const std::string& name, const std::string& label) const;
   /// A percentile of what a histogram of the server counted meanwhile, by linear interpolation within its buckets;
   /// unset if it counted nothing.

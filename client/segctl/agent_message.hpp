@@ -26,7 +26,7 @@ namespace segserve::segctl {
 
 inline constexpr int kAgentProtocol = 2;
 
-/// What an agent says first.
+/// The first message of an agent on a connection.
 struct AgentGreeting {
   std::string challenge;  ///< random, and used once
   bool asks_for_proof = false;

@@ -9,7 +9,7 @@
 
 namespace segserve::segctl {
 
-/// What an output has that is always written in one format.
+/// The kinds of outputs that have one format each, whatever their names.
 enum class OutputKind : std::uint8_t { kPicture, kPage, kMarkdown, kCsv, kJson, kResult, kHistogramLog };
 
 /// INVALID_ARGUMENT, with the flag and the ends that names may have, if the name of an output ends as that of another

@@ -13,7 +13,7 @@ namespace segserve::segctl {
 namespace {
 
 constexpr double kStreamTimeout = 10;
-/// What the server is asked for, because the largest frame is not known.
+/// The credit that is asked of the server: the largest frame is not known before it is read.
 constexpr std::uint64_t kWantedStreamBytes = std::uint64_t{256} << 20U;
 constexpr std::chrono::seconds kLongestStreamOutage{10};
 

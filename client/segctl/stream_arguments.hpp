@@ -51,7 +51,7 @@ struct StreamArguments {
   absl::StatusOr<client::StreamOptions> stream_options() const;
   /// Where the page is served; unset if none is asked for.
   absl::StatusOr<std::optional<AgentAddress>> page_address() const;
-  /// What is streamed, for people.
+  /// Names the source of the frames for people: files, a recording or a synthetic scene.
   std::string title() const;
 };
 

@@ -87,7 +87,7 @@ class StreamRun {
   std::optional<client::Stream> stream_;
   std::unique_ptr<LivePage> page_;
   std::atomic<bool> stopping_{false};
-  // Of the thread that sends.
+  // Only the thread that sends uses the following members.
   Clock::time_point start_;
   std::optional<Clock::time_point> first_due_;
   double round_begin_ = 0;  // seconds since `first_due_`, by the times of the frames

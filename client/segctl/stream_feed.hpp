@@ -35,7 +35,7 @@ class FrameFeed {
   virtual bool has_times() const = 0;
 };
 
-/// What a feed is made of.
+/// The source of a feed.
 struct FeedOptions {
   std::vector<std::string> inputs;             ///< files of clouds, one folder, or one recording
   RecordingFlags recording;                    ///< which topic of a recording

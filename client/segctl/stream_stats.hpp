@@ -15,7 +15,7 @@
 
 namespace segserve::segctl {
 
-/// What is known of a stream while it goes on: counts since its beginning, and rate and latencies of the last seconds.
+/// Statistics of a stream while it goes on: counts since its beginning, and rate and latencies of the last seconds.
 /// It knows no clock. Not thread-safe.
 class StreamStats {
  public:
@@ -51,7 +51,7 @@ class StreamStats {
 
   /// A table of two lines, each shorter than so many columns: names and figures.
   std::string table(Time now, std::size_t columns) const;
-  /// The same figures as an object: rate and percentiles of the window.
+  /// The figures of `table` as an object: rate and percentiles of the window.
   nlohmann::ordered_json json(Time now) const;
   /// The whole stream in a line for people, and as an object: rate and percentiles since its beginning.
   std::string summary(Time end) const;

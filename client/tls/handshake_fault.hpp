@@ -20,7 +20,7 @@ inline constexpr std::chrono::milliseconds kHandshakeProbeTime{1000};
 absl::Status find_handshake_fault(const std::string& address, const std::optional<ClientTls>& tls,
                                   std::chrono::milliseconds timeout);
 
-/// The same, of a handshake that was made with `server` at `now`.
+/// Tells as find_handshake_fault does what was wrong with a handshake that was made with `server` at `now`.
 absl::Status fault_of(const HandshakeReport& report, const std::string& address, const HostAndPort& server,
                       const std::optional<ClientTls>& tls, std::chrono::system_clock::time_point now);
 

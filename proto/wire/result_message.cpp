@@ -60,7 +60,7 @@ std::optional<codec::Placement> read_placement(const v1::Placement& message) {
   return good ? std::optional(placement) : std::nullopt;
 }
 
-/// What tells lengths, by the name that it has in the API, in HTTP and, with dashes, on the command line.
+/// The field that tells lengths. Its name is the same in the API, in HTTP and, with dashes, on the command line.
 constexpr std::string_view kUnit = "the unit of the coordinates (unit, or depth_scale of a depth image)";
 
 std::string too_sparse(const Segmentation& segmentation, const Resolution& used) {

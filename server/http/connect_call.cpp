@@ -36,9 +36,9 @@ bool is_name(std::string_view json, std::size_t end) {
   return next != std::string_view::npos && json[next] == ':';
 }
 
-/// What keeps a text from being parsed: more values than a message may have, each of which but the first comes after
-/// one of these characters outside of strings, or a member that an object has twice, of which the parser would take the
-/// last one. Empty if there is nothing.
+/// Says what keeps a text from being parsed: more values than a message may have, each of which but the first comes
+/// after one of these characters outside of strings, or a member that an object has twice, of which the parser would
+/// take the last one. Empty if there is nothing.
 std::string fault_of_json(std::string_view json) {
   std::size_t values = 0;
   std::vector<std::set<std::string_view>> members;  // of the objects and arrays that have begun and not ended

@@ -8,7 +8,7 @@ import tempfile
 import unittest
 
 SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "deploy/debian/completion"
-# What the script takes from bash-completion.
+# The functions of bash-completion that the script calls.
 STUBS = """
 _init_completion() { words=("${COMP_WORDS[@]}") cword=$COMP_CWORD cur=${COMP_WORDS[COMP_CWORD]}; }
 _filedir() { COMPREPLY=(A_FILE); }

@@ -36,11 +36,11 @@ JS_PACKAGE = os.environ.get("JS_PACKAGE")
 SCANS = "scans"
 PORT = 50051  # unless a command says --listen HOST:PORT
 
-# What is replaced in load tests that are shortened.
+# Load tests are shortened by these replacements in their flags.
 SHORTER = [(r"(?<=--duration )[\d.]+", "0.3"), (r"(?<=--warm-up )[\d.]+", "0"), (r"(?<=--drain )[\d.]+", "2"),
            (r"(?<=--soak )\w+", "1s"), (r"(?<=:)\d+s\b", "0.3s"), (r"(?<=--interval )[\d.]+", "0.2"),
            (r"(?<=--size )\d+x\d+", "80x60"), (r"\.\.32\b", "..2")]
-# What is added to those that do not say it.
+# Load tests without these flags get them.
 SHORT = {"--duration": "0.3", "--warm-up": "0", "--size": "80x60"}
 GOES_WITHOUT = {"--duration": "--(duration|soak|steps|ramp)", "--warm-up": "--warm-up", "--size": "--(size|input)"}
 

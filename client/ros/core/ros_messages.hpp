@@ -129,8 +129,8 @@ MarkerArray detection_message(const SegmentedCloud& cloud) {
   return message;
 }
 
-/// What RViz shows: the markers of the cloud before are deleted, and each detection is a translucent box with its id
-/// above it.
+/// Makes the markers for RViz. Those of the cloud before are deleted, and each detection is a translucent box with its
+/// id above it.
 template <typename MarkerArray>
 MarkerArray marker_message(const SegmentedCloud& cloud) {
   using Marker = typename decltype(MarkerArray::markers)::value_type;

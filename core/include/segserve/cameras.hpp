@@ -40,8 +40,8 @@ absl::StatusOr<Cloud> merge_cameras(std::span<const CameraCloud> cameras);
 absl::StatusOr<std::vector<std::span<const std::uint32_t>>> split_by_camera(const View& view,
                                                                             std::span<const std::uint32_t> values);
 
-/// What is wrong with a transform, or nothing: it must be finite, and its rotation orthonormal and right-handed, but
-/// for the rounding of calibrations that are written with few digits (1e-3).
+/// Says what is wrong with a transform, or nothing. It must be finite, and its rotation orthonormal and right-handed,
+/// but for the rounding of calibrations that are written with few digits (1e-3).
 std::optional<std::string> fault_of_transform(const RigidTransform& transform);
 
 }  // namespace segserve

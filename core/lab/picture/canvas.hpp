@@ -54,7 +54,7 @@ class Canvas {
   Image& image_;
 };
 
-/// What a picture says that shows no point.
+/// The text of a picture that shows no point.
 inline constexpr std::string_view kNoPointsText = "no points";
 
 /// How many characters `Canvas::text` draws for a text, and how wide they are in pixels.

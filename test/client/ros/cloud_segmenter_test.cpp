@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;  // NOLINT(google-build-using-namespace)
 using testing::HasSubstr;
 
-/// What a segmenter hands out.
+/// Collects the results and errors of a segmenter.
 class Sink {
  public:
   CloudSegmenter::Handlers handlers() {

@@ -18,7 +18,7 @@
 namespace segserve {
 namespace {
 
-/// What a noisy camera sees, whose neighboring errors are alike: 1/z at (x/z, y/z).
+/// The frame of a noisy camera whose neighboring errors are alike. `inverse_depth` gives 1/z at (x/z, y/z).
 Cloud noisy_frame(const std::function<double(double, double)>& inverse_depth, double noise, unsigned seed = 7) {
   constexpr int kWidth = 320, kHeight = 240, kBlob = 6;
   Cloud cloud = test::unorganized(View::camera());

@@ -42,7 +42,7 @@ std::string writable_extensions();
 /// Whether the path ends in `extension`, which is in lower case, in any case.
 bool has_extension(std::string_view path, std::string_view extension);
 
-/// What a file is read for. Some formats cannot hold labels.
+/// The purpose for which a file is read. Some formats cannot hold labels.
 enum class ReadableFor : std::uint8_t { kSegmentation, kLabels };
 
 /// Whether a file's name ends as those do that decode_cloud can read, such as .pcd or .las.gz.

@@ -80,7 +80,7 @@ Cloud from_pcl(const pcl::PointCloud<PointT>& cloud, const View& view) {
   return result;
 }
 
-/// The same for some of the points, in the shape of the whole cloud: all others become points that are not finite, and
+/// Converts some of the points, in the shape of the whole cloud: all others become points that are not finite, and
 /// get label 0. So an organized cloud stays organized. INVALID_ARGUMENT if an index is not that of a point.
 template <PointWithPosition PointT>
 absl::StatusOr<Cloud> from_pcl(const pcl::PointCloud<PointT>& cloud, const pcl::Indices& indices, const View& view) {
@@ -119,7 +119,7 @@ absl::StatusOr<Segmentation> segment(const pcl::PointCloud<PointT>& cloud, const
   return segserve::segment(from_pcl(cloud, view), options, stop);
 }
 
-/// The same for some of the points, as those that setIndices gives to PCL's classes. Labels and supervoxels are those
+/// Segments some of the points, as those that setIndices gives to PCL's classes. Labels and supervoxels are those
 /// of the whole cloud, 0 for points that are not among the indices. INVALID_ARGUMENT also if an index is not that of a
 /// point.
 template <PointWithPosition PointT>
