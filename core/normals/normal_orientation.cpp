@@ -2,6 +2,7 @@
 #include "core/normals/normal_orientation.hpp"
 
 #include <functional>
+#include <limits>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -19,7 +20,11 @@ class Propagation {
  public:
   /// `known` tells which normals have the right side.
   Propagation(const VoxelAdjacency& adjacency, std::vector<bool> known, StopCheck& check, std::vector<Vec3>& normals)
-      : adjacency_(adjacency), check_(check), normals_(normals), reached_(std::move(known)) {}
+      : adjacency_(adjacency),
+        check_(check),
+        normals_(normals),
+        reached_(std::move(known)),
+        best_(normals.size(), {std::numeric_limits<double>::infinity(), 0}) {}
 
   /// Hands the known sides on to all voxels that are connected with them.
   void spread_known() {
@@ -51,6 +56,11 @@ class Propagation {
     std::uint32_t from, to;
     bool operator>(const Step& o) const { return std::tie(cost, from, to) > std::tie(o.cost, o.from, o.to); }
   };
+  struct Arrival {
+    double cost;
+    std::uint32_t from;
+    bool operator<(const Arrival& o) const { return std::tie(cost, from) < std::tie(o.cost, o.from); }
+  };
 
   void empty_frontier() {
     while (!frontier_.empty() && !check_.after(1)) {
@@ -71,7 +81,11 @@ class Propagation {
   void add_edges(std::uint32_t v) {
     check_.after(adjacency_.of(v).size());
     for (const std::uint32_t u : adjacency_.of(v)) {
-      if (!reached_[u]) frontier_.push({1 - std::fabs(dot(normals_[v], normals_[u])), v, u});
+      if (reached_[u]) continue;
+      const Arrival arrival{1 - std::fabs(dot(normals_[v], normals_[u])), v};
+      if (!(arrival < best_[u])) continue;  // u would be reached before it is this step's turn.
+      best_[u] = arrival;
+      frontier_.push({arrival.cost, v, u});
     }
   }
 
@@ -79,6 +93,7 @@ class Propagation {
   StopCheck& check_;
   std::vector<Vec3>& normals_;
   std::vector<bool> reached_;
+  std::vector<Arrival> best_;  // of the steps to each voxel so far
   std::vector<std::uint32_t> component_;
   std::priority_queue<Step, std::vector<Step>, std::greater<>> frontier_;
 };
