@@ -15,6 +15,7 @@
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/recording_flags.hpp"
+#include "client/segctl/sequence.hpp"
 #include "client/segctl/server_flags.hpp"
 
 namespace segserve::segctl {
@@ -56,8 +57,10 @@ struct BenchArguments {
 
   void add_to(CLI::App& app);
   bool has_recording() const { return inputs.size() == 1 && is_recording_file(inputs.front()); }
+  /// Whether the input is a folder that tells the times of its clouds.
+  bool has_sequence() const { return inputs.size() == 1 && has_capture_times(inputs.front()); }
   /// Whether frames come at the times at which they were recorded.
-  bool replays() const { return has_recording() && !has_rate() && search.empty(); }
+  bool replays() const { return (has_recording() || has_sequence()) && !has_rate() && search.empty(); }
 
   /// The load that the flags describe. INVALID_ARGUMENT if they do not fit together.
   absl::StatusOr<bench::LoadPlan> plan() const;

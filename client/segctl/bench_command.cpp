@@ -30,7 +30,8 @@ does not hide the frames that it held up. A frame that failed is infinitely late
 which the frame's first byte was sent. Throughput is of the results that came within the measured window.
 
 A recording is an open loop, too: every client replays it over and over, with the times at which its frames were
-recorded. Clients begin at different frames. --speed 0 makes it a closed loop.
+recorded. Clients begin at different frames. --speed 0 makes it a closed loop. So is a folder that tells when its clouds
+were captured, by a sequence.json (as segctl synth --moving writes it) or by names like 1305031102.175304.pcd.
 
 Objectives are METRIC<NUMBER, also <=, > and >=. Metrics: p50, p90, p95, p99, p99.9, p99.99, mean, max (with unit us, ms
 or s), fps, mpoints (million points a second), errors (share of the frames, with %), least-share (the results of the

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/progress_bar.hpp"
@@ -126,8 +127,9 @@ absl::StatusOr<TrackReport> score_tracks(const TrackEvaluation& evaluation) {
   RETURN_IF_ERROR(eval::check(evaluation.degradation));
   TrackReport report{.folder = evaluation.folder, .sequences = {}};
   for (const fs::path& folder : sequence_folders(evaluation.folder)) {
-    ASSIGN_OR_RETURN(const auto frames,
+    ASSIGN_OR_RETURN(const Sequence sequence,
                      read_sequence(folder.string(), evaluation.flags->rate, codec::ReadableFor::kLabels));
+    const std::vector<SequenceFrame>& frames = sequence.frames;
     SequenceScoring scoring(evaluation, folder.filename().string());
     const ProgressBar bar("scoring");
     for (std::size_t i = 0; i < frames.size(); ++i) {

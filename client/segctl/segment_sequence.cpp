@@ -64,7 +64,8 @@ class SequenceRun {
 absl::Status SequenceRun::open() {
   RETURN_IF_ERROR(arguments_.track.check());
   ASSIGN_OR_RETURN(request_, arguments_.request());
-  ASSIGN_OR_RETURN(frames_, read_sequence(folder_, arguments_.track.rate));
+  ASSIGN_OR_RETURN(Sequence sequence, read_sequence(folder_, arguments_.track.rate));
+  frames_ = std::move(sequence.frames);
   if (!arguments_.out_dir.empty()) {
     std::error_code error;
     if (fs::equivalent(arguments_.out_dir, folder_, error)) {

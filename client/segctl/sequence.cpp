@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "client/segctl/sequence.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
 #include "client/segctl/batch_inputs.hpp"
+#include "client/segctl/capture_time.hpp"
 #include "client/segctl/json_list.hpp"
 #include "client/segctl/pose_json.hpp"
 #include "core/base/status_macros.hpp"
@@ -49,6 +51,20 @@ absl::StatusOr<std::vector<SequenceFrame>> read_frames(const std::string& path) 
   return frames;
 }
 
+/// Sets the times of frames whose names tell them; false if one does not, or if two are of the same time.
+bool take_times_from_names(std::vector<SequenceFrame>& frames) {
+  std::vector<SequenceFrame> timed = frames;
+  for (SequenceFrame& frame : timed) {
+    const auto time = capture_time(frame.file);
+    if (!time) return false;
+    frame.time = *time;
+  }
+  std::ranges::stable_sort(timed, {}, &SequenceFrame::time);
+  if (std::ranges::adjacent_find(timed, {}, &SequenceFrame::time) != timed.end()) return false;
+  frames = std::move(timed);
+  return true;
+}
+
 }  // namespace
 
 std::string sequence_json(const std::vector<SequenceFrame>& frames) {
@@ -61,11 +77,11 @@ std::string sequence_json(const std::vector<SequenceFrame>& frames) {
   return Json{{"frames", std::move(list)}}.dump(1) + "\n";
 }
 
-absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& folder, double rate,
-                                                         codec::ReadableFor use) {
+absl::StatusOr<Sequence> read_sequence(const std::string& folder, double rate, codec::ReadableFor use) {
   const std::string path = (fs::path(folder) / kSequenceFile).string();
   if (std::error_code error; fs::exists(path, error)) {
-    return read_frames(path);
+    ASSIGN_OR_RETURN(auto frames, read_frames(path));
+    return Sequence{std::move(frames), /*has_times=*/true};
   }
   if (std::error_code error; !fs::is_directory(folder, error)) {
     return absl::NotFoundError(fmt::format("there is no folder {}", folder));
@@ -76,12 +92,24 @@ absl::StatusOr<std::vector<SequenceFrame>> read_sequence(const std::string& fold
     return absl::InvalidArgumentError(fmt::format("there is no file of a cloud in {}: none whose name ends in {}",
                                                   folder, codec::readable_extensions(use)));
   }
-  std::vector<SequenceFrame> frames;
-  frames.reserve(files.size());
+  Sequence sequence;
   for (const std::string& file : files) {
-    frames.push_back({fs::path(file).filename().string(), static_cast<double>(frames.size()) / rate, std::nullopt});
+    const double time = static_cast<double>(sequence.frames.size()) / rate;
+    sequence.frames.push_back({fs::path(file).filename().string(), time, std::nullopt});
   }
-  return frames;
+  sequence.has_times = take_times_from_names(sequence.frames);
+  return sequence;
+}
+
+bool has_capture_times(const std::string& folder) {
+  std::error_code error;
+  if (fs::exists(fs::path(folder) / kSequenceFile, error)) return true;
+  std::vector<SequenceFrame> frames;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (codec::has_readable_extension(name, codec::ReadableFor::kSegmentation)) frames.push_back({name, 0, std::nullopt});
+  }
+  return frames.size() > 1 && take_times_from_names(frames);
 }
 
 }  // namespace segserve::segctl

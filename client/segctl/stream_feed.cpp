@@ -28,8 +28,11 @@ absl::StatusOr<codec::LabeledCloud> load_cloud(const std::string& path, const st
 
 class FileFeed : public FrameFeed {
  public:
-  FileFeed(std::string folder, std::vector<SequenceFrame> frames, std::optional<View> view, bool has_times)
-      : folder_(std::move(folder)), frames_(std::move(frames)), view_(std::move(view)), has_times_(has_times) {}
+  FileFeed(std::string folder, Sequence sequence, std::optional<View> view)
+      : folder_(std::move(folder)),
+        frames_(std::move(sequence.frames)),
+        view_(std::move(view)),
+        has_times_(sequence.has_times) {}
 
   absl::StatusOr<std::optional<FeedFrame>> next() override {
     if (next_ == frames_.size()) return std::nullopt;
@@ -98,11 +101,9 @@ absl::StatusOr<std::unique_ptr<FrameFeed>> open_recording(const FeedOptions& opt
 
 absl::StatusOr<std::unique_ptr<FrameFeed>> open_folder(const FeedOptions& options) {
   const std::string& folder = options.inputs.front();
-  constexpr double kAnyRate = 1;  // Without sequence.json there are no times.
-  ASSIGN_OR_RETURN(auto frames, read_sequence(folder, kAnyRate));
-  std::error_code error;
-  const bool has_times = fs::exists(fs::path(folder) / kSequenceFile, error);
-  return std::make_unique<FileFeed>(folder, std::move(frames), options.view, has_times);
+  constexpr double kAnyRate = 1;  // It is not used if there are no times.
+  ASSIGN_OR_RETURN(Sequence sequence, read_sequence(folder, kAnyRate));
+  return std::make_unique<FileFeed>(folder, std::move(sequence), options.view);
 }
 
 }  // namespace
@@ -120,16 +121,16 @@ absl::StatusOr<std::unique_ptr<FrameFeed>> open_feed(const FeedOptions& options)
   }
   std::error_code error;
   if (is_one && fs::is_directory(options.inputs.front(), error)) return open_folder(options);
-  std::vector<SequenceFrame> frames;
+  Sequence files;
   for (const std::string& path : options.inputs) {
     if (fs::is_directory(path, error) || is_recording_file(path)) {
       return absl::InvalidArgumentError(
           fmt::format("{}: a folder or a recording must be the only INPUT; several are files of clouds", path));
     }
     if (path != "-" && !fs::exists(path, error)) return absl::NotFoundError(fmt::format("there is no {}", path));
-    frames.push_back({path, 0.0, std::nullopt});
+    files.frames.push_back({path, 0.0, std::nullopt});
   }
-  return std::make_unique<FileFeed>("", std::move(frames), options.view, false);
+  return std::make_unique<FileFeed>("", std::move(files), options.view);
 }
 
 }  // namespace segserve::segctl

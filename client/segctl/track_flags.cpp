@@ -11,7 +11,7 @@ namespace segserve::segctl {
 void TrackFlags::add_to(CLI::App& app, const std::string& description) {
   const std::string group = "Objects over time";
   CLI::Option* flag = app.add_flag("--track", track, description)->group(group);
-  app.add_option("--rate", rate, "frames a second of a folder without sequence.json")
+  app.add_option("--rate", rate, "frames a second of a folder without sequence.json and without times as names")
       ->check(number_range(0.01, 1000.0))
       ->capture_default_str()
       ->needs(flag)

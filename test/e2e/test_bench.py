@@ -158,6 +158,33 @@ class Bench(EndToEnd):
                              "--warm-up", "0", "--encoded-beforehand", "--verify")
         self.assertIn(", 0 differ", done.stdout.decode())
 
+    def test_a_folder_with_times_is_replayed(self):
+        moving = self.path("moving")
+        self.run_well("synth", "--moving", moving, "-q", "--rate", "10", "--frames", "4", "--width", "160", "--height", "120")
+        bench = ("bench", "--server", self.server.address, "--warm-up", "0", "--json", "-", "--input")
+        told = json.loads(self.run_well(*bench, moving, "--duration", "1", "--speed", "2").stdout)
+        self.assertEqual((told["loop"], told["arrivals"], told["speed"]), ("open", "recorded", 2))
+        # A round of four frames takes 0.3 s + a gap of 0.1 s, halved.
+        self.assertAlmostEqual(told["frames"]["sent"], 20, delta=2)
+        by_name = self.path("by_name")
+        by_name.mkdir()
+        times = (1305031102.175304, 1305031102.225304, 1305031102.375304)
+        for time, frame in zip(times, sorted(moving.glob("*.pcd"))):
+            frame.rename(by_name / f"cloud_{time:.6f}.pcd")
+        told = json.loads(self.run_well(*bench, by_name, "--duration", "1").stdout)
+        self.assertEqual(told["arrivals"], "recorded")
+        self.assertAlmostEqual(told["frames"]["sent"], 10, delta=2)  # rounds of 0.2 s + 0.1 s
+        told = json.loads(self.run_well(*bench, by_name, "--duration", "0.5", "--speed", "0").stdout)
+        self.assertEqual(told["loop"], "closed")
+        # Without times, a folder is the clouds in it.
+        (by_name / f"cloud_{times[0]:.6f}.pcd").rename(by_name / "first.pcd")
+        told = json.loads(self.run_well(*bench, by_name, "--duration", "0.3").stdout)
+        self.assertEqual(told["loop"], "closed")
+        self.assertIn("--speed", self.run_badly(BAD_INPUT, *bench, by_name, "--speed", "2"))
+        empty = self.path("empty")
+        empty.mkdir()
+        self.assertIn("no file of a cloud", self.run_badly(BAD_INPUT, *bench, empty))
+
     def test_figures_of_nothing_are_null(self):
         server = Server(self.folder, "--max-points", "100")
         self.addCleanup(server.close)
