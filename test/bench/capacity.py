@@ -106,7 +106,7 @@ def markdown(points, clients, seconds, last, files):
     failed = sum(point["failed"] for point in points)
     return f"""# Capacity
 
-```sh not run: takes half an hour on a quiet machine
+```sh not run: takes five minutes on a quiet machine
 test/bench/capacity.py --html capacity.html # writes this page, and one with charts
 ```
 
