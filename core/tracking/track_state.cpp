@@ -193,7 +193,11 @@ absl::StatusOr<TrackState> TrackState::parse(std::string_view bytes) {
   in.get(state.next_id);
   if ((flags & kHasTime) != 0) state.time = in.get<double>();
   if ((flags & kHasPose) != 0) state.pose = get_pose(in);
-  if ((flags & kHasPlane) != 0) in.get(state.plane.emplace().normal), in.get(state.plane->offset);
+  if ((flags & kHasPlane) != 0) {
+    Plane plane;
+    in.get(plane.normal), in.get(plane.offset);
+    state.plane = plane;
+  }
   if (const absl::Status status = check_head(state); !status.ok()) return status;
   const auto count = in.get<std::uint16_t>();
   if (count > kMostTracks) return wrong(fmt::format("{} tracks, of {} at most", count, kMostTracks));
