@@ -143,8 +143,9 @@ void BenchArguments::add_fault_flags(CLI::App& app) {
 void BenchArguments::add_frame_flags(CLI::App& app) {
   const std::string group = "Frames";
   CLI::Option* input_flag =
-      app.add_option("--input", inputs,
-                     "files of clouds and folders of them, or one recording (MCAP or ROS 1 bag); default: synthetic scenes")
+      app.add_option(
+             "--input", inputs,
+             "files of clouds and folders of them, or one recording (MCAP or ROS 1 bag); default: synthetic scenes")
           ->type_name("FILES")
           ->group(group);
   recording.add_to(app);
@@ -241,7 +242,8 @@ absl::Status BenchArguments::add_stream_options(bench::LoadOptions& load) const 
   stream.max_waiting = load.is_open() ? kOpenLoopWaiting : 1;
   stream.hedge_after = to_milliseconds(hedge_after_ms / 1000);
   if (!drop_oldest) return absl::OkStatus();
-  if (!load.is_open()) return absl::InvalidArgumentError("--drop-oldest needs --rate, or a recording or a folder with times");
+  if (!load.is_open())
+    return absl::InvalidArgumentError("--drop-oldest needs --rate, or a recording or a folder with times");
   stream.when_behind = client::WhenBehind::kDropOldest;
   stream.max_waiting = 1;
   return absl::OkStatus();

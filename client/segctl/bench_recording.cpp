@@ -49,8 +49,8 @@ class TimedClouds {
     }
   }
 
-  /// The clouds by their times, of which the first is 0. INVALID_ARGUMENT, which names their origin, if there are no two
-  /// different times.
+  /// The clouds by their times, of which the first is 0. INVALID_ARGUMENT, which names their origin, if there are no
+  /// two different times.
   absl::StatusOr<bench::FrameSource> source(const std::string& origin) && {
     std::ranges::stable_sort(clouds_, {}, &TimedCloud::time);
     if (clouds_.empty() || clouds_.front().time == clouds_.back().time) {

@@ -19,17 +19,22 @@ std::size_t digits_at(std::string_view text) {
 /// How many of its units are a second, for a whole number of so many digits; 0 for a number that is no time.
 double units_per_second(std::size_t digits) {
   switch (digits) {
-    case 13: return 1e3;
-    case 16: return 1e6;
-    case 19: return 1e9;
-    default: return 0;
+    case 13:
+      return 1e3;
+    case 16:
+      return 1e6;
+    case 19:
+      return 1e9;
+    default:
+      return 0;
   }
 }
 
 }  // namespace
 
 std::optional<double> capture_time(std::string_view file_name) {
-  file_name.remove_prefix(static_cast<std::size_t>(std::ranges::find_if(file_name, absl::ascii_isdigit) - file_name.begin()));
+  file_name.remove_prefix(
+      static_cast<std::size_t>(std::ranges::find_if(file_name, absl::ascii_isdigit) - file_name.begin()));
   const std::size_t whole = digits_at(file_name);
   const std::string_view rest = file_name.substr(whole);
   const std::size_t decimals = rest.starts_with('.') ? digits_at(rest.substr(1)) : 0;

@@ -107,7 +107,8 @@ bool has_capture_times(const std::string& folder) {
   std::vector<SequenceFrame> frames;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const std::string name = entry->path().filename().string();
-    if (codec::has_readable_extension(name, codec::ReadableFor::kSegmentation)) frames.push_back({name, 0, std::nullopt});
+    if (codec::has_readable_extension(name, codec::ReadableFor::kSegmentation))
+      frames.push_back({name, 0, std::nullopt});
   }
   return frames.size() > 1 && take_times_from_names(frames);
 }

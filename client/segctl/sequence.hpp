@@ -35,9 +35,9 @@ inline constexpr const char* kSequenceFile = "sequence.json";
 
 std::string sequence_json(const std::vector<SequenceFrame>& frames);
 
-/// The sequence in a folder. If neither sequence.json nor every name tells a time, its clouds come in the order of their
-/// names, at `rate` frames a second; those that cannot hold labels are left out if these are needed. INVALID_ARGUMENT if
-/// sequence.json is wrong, or there is no cloud; NOT_FOUND if there is no such folder.
+/// The sequence in a folder. If neither sequence.json nor every name tells a time, its clouds come in the order of
+/// their names, at `rate` frames a second; those that cannot hold labels are left out if these are needed.
+/// INVALID_ARGUMENT if sequence.json is wrong, or there is no cloud; NOT_FOUND if there is no such folder.
 absl::StatusOr<Sequence> read_sequence(const std::string& folder, double rate,
                                        codec::ReadableFor use = codec::ReadableFor::kSegmentation);
 

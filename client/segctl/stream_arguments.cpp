@@ -45,9 +45,10 @@ void StreamArguments::add_to(CLI::App& app) {
 
   const std::string timing = "Timing";
   CLI::Option* rate_flag =
-      app.add_option("--rate", rate,
-                     "frames a second, 0.01 to 1000; default: the times of a recording, of a folder's sequence.json or names, "
-                     "and of --moving, else 10")
+      app.add_option(
+             "--rate", rate,
+             "frames a second, 0.01 to 1000; default: the times of a recording, of a folder's sequence.json or names, "
+             "and of --moving, else 10")
           ->type_name("HZ")
           ->check(number_range(0.01, 1000.0))
           ->group(timing);

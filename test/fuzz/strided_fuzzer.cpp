@@ -31,14 +31,14 @@ class Numbers {
   std::string_view bytes_;
 };
 
-constexpr std::array<std::string_view, 14> kNames{"x",   "y",    "z", "rgb", "rgba",      "r",     "g",
-                                                  "b",   "label", "a", "",    "intensity", "red", "f_dc_0"};
+constexpr std::array<std::string_view, 14> kNames{"x", "y",     "z", "rgb", "rgba",      "r",   "g",
+                                                  "b", "label", "a", "",    "intensity", "red", "f_dc_0"};
 
 }  // namespace
 }  // namespace segserve::codec
 
-// A layout and its data: flags (1 byte), width and height (2 each), point_step (2), row_step (4), the number of fields (1),
-// for each of them its name, datatype, count (1 each) and offset (2), and the data.
+// A layout and its data: flags (1 byte), width and height (2 each), point_step (2), row_step (4), the number of fields
+// (1), for each of them its name, datatype, count (1 each) and offset (2), and the data.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace segserve::codec;
   Numbers numbers(std::string_view(reinterpret_cast<const char*>(data), size));
