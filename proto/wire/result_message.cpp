@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/result_message.hpp"
 
+#include <algorithm>
+#include <cstddef>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -78,8 +80,28 @@ std::string too_sparse(const Segmentation& segmentation, const Resolution& used)
                             fitting, fitting * used.seed / used.voxel);
 }
 
-/// Warns of points that were left out, and of a resolution that does not fit.
-std::vector<codec::Warning> warnings_of(const Segmentation& segmentation) {
+/// The median depth of the supervoxels of a CAMERA view, meters; 0 if there are none.
+double median_depth(const Segmentation& segmentation) {
+  std::vector<double> depths;
+  for (const SupervoxelFeatures& feature : segmentation.supervoxel_features) depths.push_back(feature.centroid.z());
+  if (depths.empty()) return 0;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::ranges::nth_element(depths, middle);
+  return *middle;
+}
+
+/// Voxels of a CAMERA view grow with the depth and fit at any scale. Only the depths tell that a unit is wrong.
+void warn_of_depths(const Segmentation& segmentation, std::vector<codec::Warning>& warnings) {
+  constexpr double kNearest = 0.02, kFarthest = 150;  // meters, of what depth cameras see
+  const double depth = median_depth(segmentation);
+  if (depth == 0 || (depth >= kNearest && depth <= kFarthest)) return;
+  warnings.push_back({depth > kFarthest ? codec::WarningReason::kTooSparse : codec::WarningReason::kTooDense,
+                      fmt::format("half of the scene is {} than {:.3g} m from the camera: {} is probably wrong",
+                                  depth > kFarthest ? "farther" : "nearer", depth, kUnit)});
+}
+
+/// Warns of points that were left out, and of a resolution or a unit that does not fit.
+std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, ViewKind view) {
   using codec::WarningReason;
   std::vector<codec::Warning> warnings;
   if (const std::size_t zeros = segmentation.zero_points; zeros > 0) {
@@ -105,6 +127,8 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation) {
                                     segmentation.segmented_points, segmentation.voxels, kUnit, used.voxel)});
   } else if (segmentation.fitting_resolution) {
     warnings.push_back({WarningReason::kTooSparse, too_sparse(segmentation, used)});
+  } else if (view == ViewKind::kCamera) {
+    warn_of_depths(segmentation, warnings);
   }
   return warnings;
 }
@@ -247,7 +271,7 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
   result.view_rule = std::move(view_rule);
   result.server_version = std::move(version);
   result.options_hash = options_hash(options);
-  result.warnings = warnings_of(segmentation);
+  result.warnings = warnings_of(segmentation, cloud.view.kind);
   result.segmentation = std::move(segmentation);
   return result;
 }

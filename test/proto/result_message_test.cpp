@@ -142,6 +142,29 @@ TEST(WireResult, TellsWhatIsProbablyWrong) {
   EXPECT_THAT(reasons(Segmentation()), testing::ElementsAre(WarningReason::kNoPoints));
 }
 
+TEST(WireResult, TellsThatDepthsOfACameraAreInAnotherUnit) {
+  Segmentation segmentation;
+  segmentation.segmented_points = 5000;
+  segmentation.voxels = 1000;
+  const auto warnings = [&](double depth, const View& view) {
+    segmentation.supervoxel_features.clear();
+    for (const double z : {0.5 * depth, depth, 2 * depth}) {
+      segmentation.supervoxel_features.push_back({.centroid = {0, 0, z}});
+    }
+    Cloud cloud;
+    cloud.view = view;
+    return make_result(segmentation, cloud, {}, "", "").warnings;
+  };
+  for (const double meters : {0.1, 1.0, 60.0}) EXPECT_THAT(warnings(meters, View::camera()), testing::IsEmpty());
+  const auto far = warnings(900, View::camera()), near = warnings(0.001, View::camera());
+  ASSERT_EQ(far.size(), 1U);
+  EXPECT_EQ(far[0].reason, codec::WarningReason::kTooSparse);
+  EXPECT_THAT(far[0].message, testing::HasSubstr("farther than 900 m from the camera: the unit"));
+  ASSERT_EQ(near.size(), 1U);
+  EXPECT_EQ(near[0].reason, codec::WarningReason::kTooDense);
+  EXPECT_THAT(warnings(900, View::world()), testing::IsEmpty());
+}
+
 TEST(WireResult, HoldsOnlyWhatWasAskedFor) {
   const auto message = to_message(small_result(), {.labels = false, .supervoxels = false, .tree = true});
   EXPECT_FALSE(message->has_labels());
