@@ -6,17 +6,31 @@
 #include "core/base/status_macros.hpp"
 #include "core/merging/noisy_planes.hpp"
 #include "core/merging/small_region_threshold.hpp"
+#include "core/merging/spanning_borders.hpp"
 
 namespace segserve {
 namespace {
 
-constexpr double kUsualThreshold = 0.5;  // of the cut whose segments are looked at as planes
+constexpr double kUsualThreshold = 0.5;  // of the cut whose segments are looked at
+constexpr int kMostRounds = 3;
 
 BorderConstants constants_for(const VoxelScale& scale) {
   constexpr double kSmallestOfSweep = 8;  // voxels; far people have few rays
   BorderConstants constants;
   if (scale.sweep) constants.smallest_size = kSmallestOfSweep;
   return constants;
+}
+
+/// Sets the points of a tree whose merges do not depend on them.
+void count_points(const RegionGraph& graph, MergeTree& tree) {
+  const std::size_t leaves = tree.leaf_count();
+  for (std::size_t r = 0; r < leaves; ++r) tree.leaf_points[r] = graph.regions[r].points;
+  const auto points_of = [&](std::uint32_t node) {
+    return node < leaves ? tree.leaf_points[node] : tree.points[node - leaves];
+  };
+  for (std::size_t row = 0; row < tree.row_count(); ++row) {
+    tree.points[row] = points_of(tree.left[row]) + points_of(tree.right[row]);
+  }
 }
 
 }  // namespace
@@ -27,14 +41,32 @@ absl::Status BorderMerging::find_evidence(const FrameContext& frame, const Voxel
   const BorderConstants constants = constants_for(frame.scale);
   RETURN_IF_ERROR(measure_borders(frame, graph, grid, normals, constants.dead_zone, borders_));
   RETURN_IF_ERROR(find_border_evidence(frame, graph, borders_, constants, evidence_));
-  if (!has_noisy_regions(frame, graph)) return absl::OkStatus();
-  ASSIGN_OR_RETURN(const MergeTree tree, merge(frame, graph, evidence_));
-  ASSIGN_OR_RETURN(const Cut cut, cut_at_threshold(tree, kUsualThreshold, frame.stop));
-  return forgive_noisy_planes(frame, grid, supervoxels, graph, cut, evidence_);
+  ASSIGN_OR_RETURN(tree_, merge(frame, graph, evidence_));
+  ASSIGN_OR_RETURN(Cut cut, cut_at_threshold(tree_, kUsualThreshold, frame.stop));
+  if (has_noisy_regions(frame, graph)) {
+    ASSIGN_OR_RETURN(const bool has_changed, forgive_noisy_planes(frame, grid, supervoxels, graph, cut, evidence_));
+    if (has_changed) {
+      ASSIGN_OR_RETURN(tree_, merge(frame, graph, evidence_));
+      ASSIGN_OR_RETURN(cut, cut_at_threshold(tree_, kUsualThreshold, frame.stop));
+    }
+  }
+  // Parts that have become one meet others along wider borders.
+  for (int round = 0; round < kMostRounds; ++round) {
+    ASSIGN_OR_RETURN(const bool has_changed, lessen_spanning_borders(frame, grid, supervoxels, graph, cut, evidence_));
+    if (!has_changed) break;
+    ASSIGN_OR_RETURN(tree_, merge(frame, graph, evidence_));
+    ASSIGN_OR_RETURN(cut, cut_at_threshold(tree_, kUsualThreshold, frame.stop));
+  }
+  return absl::OkStatus();
 }
 
 absl::Status BorderMerging::run(const FrameContext& frame, const RegionGraph& graph, MergeTree& tree) {
-  ASSIGN_OR_RETURN(tree, merge(frame, graph, std::move(evidence_)));
+  if (frame.options.min_segment_points > 0) {
+    ASSIGN_OR_RETURN(tree_, merge(frame, graph, std::move(evidence_)));
+  } else {
+    count_points(graph, tree_);
+  }
+  tree = std::move(tree_);
   return absl::OkStatus();
 }
 

@@ -22,7 +22,9 @@ namespace segserve {
 class BorderMerging {
  public:
   /// Finds the evidence of all edges of the graph. That within far planes which are uneven only by the noise of a
-  /// camera does not count (forgive_noisy_planes). CANCELLED, DEADLINE_EXCEEDED.
+  /// camera does not count (forgive_noisy_planes), and that between parts of one thing counts less
+  /// (lessen_spanning_borders). Both look at the segments of a merge, after which
+  /// the regions are merged anew. CANCELLED, DEADLINE_EXCEEDED.
   absl::Status find_evidence(const FrameContext& frame, const VoxelGrid& grid, const std::vector<Vec3>& normals,
                              const Supervoxels& supervoxels, const RegionGraph& graph);
   const std::vector<BorderEvidence>& evidence() const { return evidence_; }
@@ -37,6 +39,7 @@ class BorderMerging {
 
   std::vector<Border> borders_;
   std::vector<BorderEvidence> evidence_;
+  MergeTree tree_;  // by the evidence so far
   Merger<BorderMetric> merger_;
 };
 

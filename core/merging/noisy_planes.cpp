@@ -154,16 +154,18 @@ bool has_noisy_regions(const FrameContext& frame, const RegionGraph& graph) {
   return std::ranges::any_of(graph.regions, [&](const Region& r) { return r.centroid.z > frame.scale.noise_depth; });
 }
 
-absl::Status forgive_noisy_planes(const FrameContext& frame, const VoxelGrid& grid, const Supervoxels& supervoxels,
-                                  const RegionGraph& graph, const Cut& cut, std::vector<BorderEvidence>& evidence) {
+absl::StatusOr<bool> forgive_noisy_planes(const FrameContext& frame, const VoxelGrid& grid,
+                                          const Supervoxels& supervoxels, const RegionGraph& graph, const Cut& cut,
+                                          std::vector<BorderEvidence>& evidence) {
   StopCheck check(frame.stop);
   NoisySegments segments(frame, graph, cut, check);
   segments.gather(grid, supervoxels);
-  if (!segments.grow_planes()) return check.status();
-  check.for_each(0, graph.edges.size(), [&](std::size_t e) {
+  const bool has_grown = segments.grow_planes();
+  check.for_each(0, has_grown ? graph.edges.size() : 0, [&](std::size_t e) {
     if (segments.is_within_plane(graph.edges[e])) evidence[e].sum = 0;
   });
-  return check.status();
+  if (check.stopped()) return check.status();
+  return has_grown;
 }
 
 }  // namespace segserve

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/base/frame_context.hpp"
 #include "core/region_graph/region_graph.hpp"
 #include "core/supervoxels/supervoxel_growth.hpp"
@@ -23,8 +23,9 @@ bool has_noisy_regions(const FrameContext& frame, const RegionGraph& graph);
 /// so far away, the largest first, gather neighbors that the same plane explains within the noise.
 ///
 /// `cut` is a first partition of the graph's regions in a CAMERA view, and `evidence` has an entry for each of its
-/// edges. O(V + E log E). CANCELLED, DEADLINE_EXCEEDED.
-absl::Status forgive_noisy_planes(const FrameContext& frame, const VoxelGrid& grid, const Supervoxels& supervoxels,
-                                  const RegionGraph& graph, const Cut& cut, std::vector<BorderEvidence>& evidence);
+/// edges. Returns whether any evidence was taken. O(V + E log E). CANCELLED, DEADLINE_EXCEEDED.
+absl::StatusOr<bool> forgive_noisy_planes(const FrameContext& frame, const VoxelGrid& grid,
+                                          const Supervoxels& supervoxels, const RegionGraph& graph, const Cut& cut,
+                                          std::vector<BorderEvidence>& evidence);
 
 }  // namespace segserve
