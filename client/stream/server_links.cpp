@@ -117,10 +117,16 @@ std::optional<Time> ServerLinks::check_silence(UsualTime usual_time, Time now) {
     const StreamProtocol& protocol = link.protocol;
     const bool owes_us = !protocol.opened() || protocol.in_flight() > 0 || protocol.ending();
     if (!link.broken.ok() || !owes_us) continue;
-    const SilenceLimits limits = is_fleet()
+    // A server opens a stream at once, be it the only one.
+    const SilenceLimits limits = is_fleet() || !protocol.opened()
                                      ? hasty_silence_limits(options_.progress_timeout, usual_time(link.server.id))
                                      : silence_limits(options_.progress_timeout);
     const Silence::Verdict verdict = link.silence.check(limits, now);
+    if (verdict == Silence::Verdict::kDead && link.silence.is_answered_by_another()) {
+      const std::string message = fmt::format("{} answers calls, but opens no stream", link.server.address);
+      break_link(link, LinkAction::kBreak, absl::UnavailableError(message), now);
+      continue;
+    }
     if (verdict == Silence::Verdict::kDead) {
       const auto silence = options_.progress_timeout.count();
       const std::string message = fmt::format("{} showed no sign of life for {} ms", link.server.address, silence);
@@ -162,6 +168,13 @@ void ServerLinks::break_link(ServerLink& link, LinkAction::Kind kind, absl::Stat
 void ServerLinks::on_sign_of_life(ConnectionId id, Time now) {
   const auto link = links_.find(id);
   if (link != links_.end()) link->second.silence.on_sign_of_life(now);
+}
+
+void ServerLinks::on_probe_answered(ConnectionId id, Time now) {
+  ServerLink* link = find(id);
+  if (link == nullptr) return;
+  if (link->protocol.opened()) return link->silence.on_sign_of_life(now);
+  link->silence.on_answered_by_another(now);
 }
 
 void ServerLinks::on_draining(const ServerLink& link, Time now) {

@@ -87,6 +87,8 @@ class ServerLinks {
   void break_link(ServerLink& link, LinkAction::Kind kind, absl::Status why, Time now);
 
   void on_sign_of_life(ConnectionId id, Time now);
+  /// Somebody has answered the probe. Of a stream that is not open yet, that was another server, behind the same proxy.
+  void on_probe_answered(ConnectionId id, Time now);
   /// The server has granted credit. The connection takes the place of an old one, which finishes what it has.
   void on_opened(const ServerLink& link);
   /// The server asks for another connection. New frames go to the old one until there is another.

@@ -4,6 +4,12 @@
 #include <algorithm>
 
 namespace segserve::client {
+namespace {
+
+// The answers of one server to two questions do not come further apart than this.
+constexpr std::chrono::milliseconds kApart{500};
+
+}  // namespace
 
 SilenceLimits silence_limits(std::chrono::milliseconds progress_timeout) {
   const auto half = progress_timeout / 2;
@@ -22,15 +28,20 @@ SilenceLimits hasty_silence_limits(std::chrono::milliseconds progress_timeout, C
 void Silence::on_sign_of_life(Time now) {
   last_sign_of_life_ = now;
   probed_at_.reset();
+  answered_by_another_at_.reset();
   is_suspect_ = false;
 }
+
+void Silence::on_answered_by_another(Time now) { answered_by_another_at_ = now; }
 
 void Silence::forgive(Clock::duration time, Time now) {
   last_sign_of_life_ = std::min(last_sign_of_life_ + time, now);
   if (probed_at_) probed_at_ = std::min(*probed_at_ + time, now);
+  if (answered_by_another_at_) answered_by_another_at_ = std::min(*answered_by_another_at_ + time, now);
 }
 
 Silence::Verdict Silence::check(const SilenceLimits& limits, Time now) {
+  if (answered_by_another_at_ && now >= *answered_by_another_at_ + kApart) return Verdict::kDead;
   if (!probed_at_) {
     if (now < last_sign_of_life_ + limits.until_probe) return Verdict::kFine;
     probed_at_ = now;
@@ -42,6 +53,7 @@ Silence::Verdict Silence::check(const SilenceLimits& limits, Time now) {
 
 Time Silence::due(const SilenceLimits& limits) const {
   if (!probed_at_) return last_sign_of_life_ + limits.until_probe;
+  if (answered_by_another_at_) return *answered_by_another_at_ + kApart;
   return *probed_at_ + (is_suspect_ ? limits.until_dead : limits.until_suspect);
 }
 

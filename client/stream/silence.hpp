@@ -29,6 +29,10 @@ class Silence {
   explicit Silence(Time now) : last_sign_of_life_(now) {}
 
   void on_sign_of_life(Time now);
+  /// The probe was answered, though what was asked before it was not. A server answers in order, so that another one
+  /// answers for it behind a proxy. Unless there is a sign of life soon, it is dead.
+  void on_answered_by_another(Time now);
+  bool is_answered_by_another() const { return answered_by_another_at_.has_value(); }
   /// This process itself stood still for so long, and could not hear anything.
   void forgive(Clock::duration time, Time now);
   bool is_suspect() const { return is_suspect_; }
@@ -42,6 +46,7 @@ class Silence {
  private:
   Time last_sign_of_life_;
   std::optional<Time> probed_at_;  // unset: there was a sign of life since the last probe
+  std::optional<Time> answered_by_another_at_;
   bool is_suspect_ = false;
 };
 

@@ -72,6 +72,7 @@ class StreamScheduler {
   /// Whether nothing will be sent on the connection any more.
   bool wants_half_close(ConnectionId id);
   void on_sign_of_life(ConnectionId id, Time now) { links_.on_sign_of_life(id, now); }
+  void on_probe_answered(ConnectionId id, Time now) { links_.on_probe_answered(id, now); }
   /// True if there may be something for the application or a tick to do.
   bool on_message(ConnectionId id, v1::SegmentStreamResponse& message, Time now);
   void on_closed(ConnectionId id, const absl::Status& status, Time now);

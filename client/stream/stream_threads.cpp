@@ -310,7 +310,7 @@ void StreamThreads::end_connection(ConnectionId id, const absl::Status& status) 
 
 void StreamThreads::on_probed(ConnectionId id, bool alive) {
   const MutexLock lock(mutex_);
-  if (alive) scheduler_.on_sign_of_life(id, Clock::now());
+  if (alive) scheduler_.on_probe_answered(id, Clock::now());
   ended_.push_back(std::move(probes_.extract(id).mapped()));
   notify();
 }

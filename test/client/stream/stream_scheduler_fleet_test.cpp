@@ -266,7 +266,7 @@ TEST_F(ASilentServer, IsGivenUpAfterTheProgressTimeout) {
 TEST_F(ASilentServer, ThatAnswersItsProbeComputesForLongAndIsTrusted) {
   for (int i = 0; i < 40; ++i) {
     stream_.pass(milliseconds(500));
-    stream_.scheduler_.on_sign_of_life(1, stream_.now_);
+    stream_.scheduler_.on_probe_answered(1, stream_.now_);
   }
   EXPECT_EQ(count_of(stream_, LinkAction::kBreakSilent), 0U);
   EXPECT_EQ(stream_.begun_on(2), 0U);

@@ -306,7 +306,7 @@ TEST(StreamScheduler, ASilentConnectionIsProbedAndThenGivenUp) {
   EXPECT_EQ(stream.begun(), 1U);
   stream.pass(milliseconds(500));
   EXPECT_EQ(stream.actions_.back().kind, LinkAction::kProbe);
-  stream.scheduler_.on_sign_of_life(stream.connections_.back(), stream.now_);
+  stream.scheduler_.on_probe_answered(stream.connections_.back(), stream.now_);
   stream.pass(milliseconds(500));
   EXPECT_EQ(stream.actions_.back().kind, LinkAction::kProbe);
   stream.pass(milliseconds(500));
@@ -315,6 +315,34 @@ TEST(StreamScheduler, ASilentConnectionIsProbedAndThenGivenUp) {
   stream.pass(RetryOptions{}.first_backoff);
   ASSERT_EQ(stream.actions_.size(), 5U);
   EXPECT_EQ(stream.actions_[4].kind, LinkAction::kOpen);
+}
+
+TEST(StreamScheduler, AStreamThatDoesNotOpenThoughAProbeIsAnsweredLeadsToAnotherServer) {
+  StreamHarness stream;
+  stream.act();
+  stream.pass(milliseconds(500));
+  ASSERT_EQ(stream.actions_.size(), 2U);
+  EXPECT_EQ(stream.actions_[1].kind, LinkAction::kProbe);
+  stream.scheduler_.on_probe_answered(stream.connections_.back(), stream.now_);
+  stream.pass(milliseconds(499));
+  EXPECT_EQ(stream.actions_.size(), 2U);
+  stream.pass(milliseconds(1));
+  ASSERT_EQ(stream.actions_.size(), 3U);
+  EXPECT_EQ(stream.actions_[2].kind, LinkAction::kBreak);
+  stream.pass(RetryOptions{}.first_backoff);
+  ASSERT_EQ(stream.actions_.size(), 4U);
+  EXPECT_EQ(stream.actions_[3].kind, LinkAction::kOpen);
+}
+
+TEST(StreamScheduler, AStreamThatOpensRightAfterItsProbeStays) {
+  StreamHarness stream;
+  stream.act();
+  stream.pass(milliseconds(500));
+  stream.scheduler_.on_probe_answered(stream.connections_.back(), stream.now_);
+  stream.pass(milliseconds(400));
+  stream.open_on(stream.connections_.back());
+  stream.pass(milliseconds(60'000));
+  EXPECT_EQ(stream.actions_.size(), 2U);
 }
 
 TEST(StreamScheduler, AnIdleConnectionOwesNothing) {
