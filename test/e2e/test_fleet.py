@@ -50,7 +50,10 @@ class FleetTest(EndToEnd):
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             timer = threading.Timer(seconds / 3, meanwhile)
             timer.start()
-            output, errors = process.communicate(timeout=120)
+            try:
+                output, errors = process.communicate(timeout=seconds + 30 * SLACK)
+            finally:
+                process.kill()
             timer.join()
         self.assertEqual(process.returncode, SUCCESS, errors.decode())
         told = json.loads(output)

@@ -39,14 +39,14 @@ class Namespace:
 class ServerIn(Server):
     """A server in a network namespace, reached at its address there."""
 
-    def __init__(self, folder, namespace):
+    def __init__(self, folder, namespace, host="10.77.0.1"):
         handle = os.open(f"/proc/{namespace.process.pid}/ns/net", os.O_RDONLY)
         os.set_inheritable(handle, True)
         try:
-            super().__init__(folder, "--insecure-beyond-loopback", listen="10.77.0.1:0", before=lambda: enter(handle))
+            super().__init__(folder, "--insecure-beyond-loopback", listen=f"{host}:0", before=lambda: enter(handle))
         finally:
             os.close(handle)
-        self.address = f"10.77.0.1:{self.address.rsplit(':', 1)[1]}"
+        self.address = f"{host}:{self.address.rsplit(':', 1)[1]}"
 
 
 def enter(handle):
