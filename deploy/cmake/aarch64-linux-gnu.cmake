@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Cross-compiles for arm64 with Debian's compiler against a Debian sysroot, and runs the programs under qemu. test/cpus makes the
-# sysroot and names it by -DSEGSERVE_SYSROOT=FOLDER.
+# Cross-compiles for arm64 with Debian's compiler against a Debian sysroot, and runs the programs under qemu. deploy/arm64.sh makes
+# the sysroot and names it by -DSEGSERVE_SYSROOT=FOLDER.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
