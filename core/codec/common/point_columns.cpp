@@ -4,10 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
+#include <utility>
 
+#include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/point_positions.hpp"
 #include "core/codec/common/text_parsing.hpp"
@@ -18,18 +22,65 @@ namespace {
 /// The quiet NaN, which writers of packed floats use for "no color".
 constexpr std::uint32_t kNoColor = 0x7fc00000;
 
+/// Whether the floats are packed colors by their values, as some programs convert them, and not by their bits: all
+/// those that are colors are whole numbers of 24 bits. Doubles are integers in a text some of whose words are nan.
+bool are_packed_values(const Column& column, std::size_t points, StopCheck& check) {
+  const double least = column.type == ScalarType::kFloat32 ? 1 : -0x1p31, above = least < 0 ? 0x1p32 : 0x1p24;
+  bool are_values = true, is_any = false;
+  for_each_value(column, points, check, [&](std::size_t, auto value) {
+    const auto number = static_cast<double>(value);
+    if (number == 0 || std::isnan(number)) return;
+    is_any = true;
+    are_values = are_values && number >= least && number < above && number == std::floor(number);
+  });
+  return is_any && are_values;
+}
+
+/// Calls function(i, bits) with the bits of each packed color.
+template <typename Function>
+void for_each_packed(const Column& column, std::size_t points, StopCheck& check, Function function) {
+  if (is_float(column.type) && are_packed_values(column, points, check)) {
+    for_each_value(column, points, check, [function](std::size_t i, auto value) {
+      const auto number = static_cast<double>(value);
+      function(i, std::isnan(number) ? kNoColor : static_cast<std::uint32_t>(static_cast<std::int64_t>(number)));
+    });
+  } else if (column.type == ScalarType::kFloat64) {
+    for_each_value(column, points, check, [function](std::size_t i, auto value) {
+      function(i, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
+    });
+  } else {
+    check.for_each(0, points, [&](std::size_t i) {
+      function(i, load<std::uint32_t>(column.data + i * column.stride, column.order));
+    });
+  }
+}
+
 void read_packed(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
   const bool can_be_nan = is_float(column.type);
-  check.for_each(0, out.size(), [&](std::size_t i) {
-    const auto bits = load<std::uint32_t>(column.data + i * column.stride, column.order);
+  for_each_packed(column, out.size(), check, [&out, can_be_nan](std::size_t i, std::uint32_t bits) {
     out[i] = can_be_nan && bits == kNoColor ? 0 : bits & 0xFFFFFFU;
   });
 }
 
-/// The largest value that is finite, and whether all values are multiples of 256.
+/// Warns of points that are there, and have no color. The colors of other points are NaN on purpose.
+void warn_of_missing_colors(const Column& packed, const Cloud& cloud, StopCheck& check,
+                            std::vector<Warning>& warnings) {
+  if (!is_float(packed.type)) return;
+  std::size_t missing = 0, all = 0;
+  for_each_packed(packed, cloud.size(), check, [&](std::size_t i, std::uint32_t bits) {
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) return;
+    ++all;
+    missing += bits == kNoColor ? 1 : 0;
+  });
+  if (missing == 0) return;
+  warnings.push_back(
+      {WarningReason::kColorNotUsed, fmt::format("{} of {} colors are NaN, and become black", missing, all)});
+}
+
+/// The smallest and the largest value that is finite, and whether all values are multiples of 256, or whole.
 struct ChannelRange {
   double smallest = 0, largest = 0;
-  bool multiples_of_256 = true;
+  bool multiples_of_256 = true, is_whole = true;
 };
 
 void extend(ChannelRange& range, const Column& column, std::size_t points, StopCheck& check) {
@@ -39,15 +90,17 @@ void extend(ChannelRange& range, const Column& column, std::size_t points, StopC
     range.smallest = std::min(range.smallest, number);
     range.largest = std::max(range.largest, number);
     range.multiples_of_256 = range.multiples_of_256 && std::fmod(number, 256) == 0;
+    range.is_whole = range.is_whole && number == std::floor(number);
   });
 }
 
-/// The factor that makes full intensity 255. Floats up to about 1 have 1 as full
-/// intensity. Far above 255 it is 65535, as in LAS files; some writers multiply 8 bits by 256 instead of 257. A little
-/// above 255, and beyond 16 bits, a value is taken as a slip among bytes, and clamped.
-double channel_scale(const ChannelRange& range, ScalarType type) {
+/// The factor that makes full intensity 255. Floats up to about 1 have 1 as full intensity, and so have numbers with
+/// decimals whose file claims that they are integers. Far above 255 it is 65535, as in LAS files; some writers multiply
+/// 8 bits by 256 instead of 257. A little above 255, and beyond 16 bits, a value is taken as a slip among bytes, and
+/// clamped.
+double channel_scale(const ChannelRange& range, bool are_floats) {
   constexpr double kAboutOne = 1.5, kFarAboveBytes = 1023, kSixteenBits = 65535;
-  if (is_float(type) && range.largest <= kAboutOne) return 255;
+  if ((are_floats || !range.is_whole) && range.largest <= kAboutOne) return 255;
   if (range.largest <= kFarAboveBytes || range.largest > kSixteenBits) return 1;
   return range.multiples_of_256 ? 1.0 / 256 : 1.0 / 257;
 }
@@ -68,9 +121,10 @@ void read_channel(const Column& column, unsigned shift, StopCheck& check, std::v
 /// Whether the values of the channel are bytes. Those of a signed type are the same eight bits.
 bool is_byte(const Column& column) { return size_of(column.type) == 1; }
 
-/// `are_signed_bytes`: the file says that the channels are signed bytes. As text, their numbers have a wider type.
-void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, bool are_signed_bytes, StopCheck& check,
-                   std::vector<std::uint32_t>& out) {
+/// `claimed` is the type that the channels have by what the file says, if it is the same for all. As text, their
+/// numbers have another type.
+void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, std::optional<ScalarType> claimed,
+                   StopCheck& check, std::vector<std::uint32_t>& out) {
   constexpr std::array<unsigned, 3> kShifts{16, 8, 0};
   if (kind == ChannelKind::kIntensity && std::ranges::all_of(columns, is_byte)) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -84,14 +138,14 @@ void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, bool 
   if (kind == ChannelKind::kIntensity) {
     ChannelRange range;
     for (const Column& column : columns) extend(range, column, out.size(), check);
-    if (are_signed_bytes && range.smallest < 0 && range.largest <= 127) {
+    if (claimed == ScalarType::kInt8 && range.is_whole && range.smallest < 0 && range.largest <= 127) {
       for (std::size_t i = 0; i < 3; ++i) {
         read_channel(columns[i], kShifts[i], check, out,
                      [](auto value) { return std::uint32_t{static_cast<std::uint8_t>(static_cast<int>(value))}; });
       }
       return;
     }
-    scale = channel_scale(range, columns[0].type);
+    scale = channel_scale(range, claimed && is_float(*claimed));
     offset = 0;
   } else if (kind == ChannelKind::kSixteenBits) {
     scale = 1.0 / 257;
@@ -139,23 +193,28 @@ void read_color(const PointTable& table, StopCheck& check, Cloud& cloud) {
     read_packed(table.column(*roles.packed), check, cloud.rgb);
   } else if (roles.channels) {
     const auto [red, green, blue] = *roles.channels;
-    const auto is_signed_byte = [&](std::size_t field) { return table.fields[field].type == ScalarType::kInt8; };
-    const bool are_signed_bytes = is_signed_byte(red) && is_signed_byte(green) && is_signed_byte(blue);
-    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, are_signed_bytes,
-                  check, cloud.rgb);
+    std::optional<ScalarType> claimed = table.fields[red].type;
+    if (table.fields[green].type != *claimed || table.fields[blue].type != *claimed) claimed.reset();
+    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, claimed, check,
+                  cloud.rgb);
   }
 }
 
-/// Copies the values of a field, in little-endian order.
+/// Copies the values of a field in its type, in little-endian order.
 Attribute copy_field(const Field& field, const Column& column, std::size_t points, StopCheck& check) {
   Attribute attribute{std::string(field.name), field.type, field.count, {}};
   const std::size_t size = size_of(field.type), bytes = attribute.bytes_per_point();
   attribute.values.resize(points * bytes);
-  check.for_each(0, points, [&](std::size_t i) {
-    std::byte* const out = attribute.values.data() + i * bytes;
-    std::copy_n(column.data + i * column.stride, bytes, out);
-    if (column.order == std::endian::little) return;
-    for (std::size_t k = 0; k < field.count; ++k) std::reverse(out + k * size, out + (k + 1) * size);
+  visit_type(column.type, [&]<typename Stored>(Stored) {
+    visit_type(field.type, [&]<typename Kept>(Kept) {
+      check.for_each(0, points, [&](std::size_t i) {
+        for (std::size_t k = 0; k < field.count; ++k) {
+          const auto stored = load<Stored>(column.data + i * column.stride + k * sizeof(Stored), column.order);
+          const auto value = static_cast<Kept>(stored);
+          std::memcpy(attribute.values.data() + i * bytes + k * size, &value, size);
+        }
+      });
+    });
   });
   return attribute;
 }
@@ -184,6 +243,17 @@ void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fiel
   }
 }
 
+void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<Warning>& warnings) {
+  if (table.roles.label && unreadable.erase(*table.roles.label) > 0) {
+    Field& label = table.fields[*table.roles.label];
+    warnings.push_back({WarningReason::kLabelNotUsed,
+                        fmt::format("the labels are not used: some words of {} are no numbers", quoted(label.name))});
+    label.count = 0;
+    table.roles.label.reset();
+  }
+  leave_out(unreadable, table.fields, warnings);
+}
+
 absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,
                          const StopToken& stop, LabeledCloud& out) {
   PointTable table = given;
@@ -198,7 +268,12 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   if (roles.label && !check.stopped()) read_label(table.column(*roles.label), table.points(), check, out);
   if (options.keep_everything) keep_attributes(table, check, out);
   const auto [x, y, z] = roles.position;
-  return read_positions({table.column(x), table.column(y), table.column(z)}, evidence, options, check, out);
+  const auto is_of_floats = [&](std::size_t field) { return table.fields[field].type == ScalarType::kFloat32; };
+  const bool are_floats = is_of_floats(x) && is_of_floats(y) && is_of_floats(z);
+  RETURN_IF_ERROR(
+      read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, evidence, options, check, out));
+  if (roles.packed) warn_of_missing_colors(table.column(*roles.packed), out.cloud, check, out.warnings);
+  return check.status();
 }
 
 }  // namespace segserve::codec

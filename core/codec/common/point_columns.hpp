@@ -18,7 +18,8 @@
 // How the values of a file become a cloud with labels.
 namespace segserve::codec {
 
-/// The values of width * height points, field by field. The columns lie within bytes at hand.
+/// The values of width * height points, field by field. The columns lie within bytes at hand. A column may have another
+/// type than its field, which then holds the column's values, or is only what the file claims for a position or color.
 struct PointTable {
   std::vector<Field> fields;
   FieldRoles roles;  ///< indices into `fields`
@@ -33,6 +34,8 @@ struct PointTable {
 
 /// Takes fields without a role that cannot be read out of the attributes, and warns of each.
 void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fields, std::vector<Warning>& warnings);
+/// The same for fields without a role and the labels, which the table then does not have.
+void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<Warning>& warnings);
 
 /// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. The
 /// low 32 bits of an integer, or all of a float, are a packed color. Labels that the file has become the attribute

@@ -77,11 +77,8 @@ Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, co
   return is_far ? offset : Eigen::Vector3d::Zero();
 }
 
-void keep_position(const std::array<Column, 3>& columns, StopCheck& check, LabeledCloud& out) {
-  const bool is_kept_by_cloud = out.placement.is_identity() && std::ranges::all_of(columns, [](const Column& column) {
-                                  return column.type == ScalarType::kFloat32;
-                                });
-  if (is_kept_by_cloud) return;
+void keep_position(const std::array<Column, 3>& columns, bool are_floats, StopCheck& check, LabeledCloud& out) {
+  if (are_floats && out.placement.is_identity()) return;  // The cloud has them.
   for (std::size_t axis = 0; axis < 3; ++axis) {
     std::vector<double>& position = out.file_position[axis];
     position.resize(out.cloud.size());
@@ -111,8 +108,8 @@ void reverse(std::vector<float>& plane, StopCheck& check) {
 
 }  // namespace
 
-absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence evidence, const ReadOptions& options,
-                            StopCheck& check, LabeledCloud& out) {
+absl::Status read_positions(const std::array<Column, 3>& columns, bool are_floats, ViewEvidence evidence,
+                            const ReadOptions& options, StopCheck& check, LabeledCloud& out) {
   Cloud& cloud = out.cloud;
   const Planes planes{&cloud.x, &cloud.y, &cloud.z};
   const double scale = options.unit == LengthUnit::kAuto ? guess_unit(columns, cloud.size(), check, out.warnings)
@@ -141,7 +138,7 @@ absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence e
   }
   const bool is_at_origin = choice.sensor && choice.sensor->isZero(0);
   if (is_at_origin) drop_zeros(check, out);
-  if (options.keep_everything) keep_position(columns, check, out);
+  if (options.keep_everything) keep_position(columns, are_floats, check, out);
   cloud.view = {choice.kind, std::nullopt};
   if (choice.sensor) {
     const Eigen::Vector3d sensor = *choice.sensor - scale * placement.offset;

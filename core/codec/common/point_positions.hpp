@@ -16,8 +16,9 @@ namespace segserve::codec {
 /// meters, in the view that choose_view finds, and near the origin. A WORLD cloud whose median is farther than 512 m
 /// from 0 along any axis is moved by its median, rounded to about a meter, before its values become floats, so that
 /// they stay exact. Sets the view, its rule, the placement and, if it is wanted and not what the cloud has, the
-/// position in the file. `evidence.given` is that of the options. CANCELLED, DEADLINE_EXCEEDED.
-absl::Status read_positions(const std::array<Column, 3>& columns, ViewEvidence evidence, const ReadOptions& options,
-                            StopCheck& check, LabeledCloud& out);
+/// position in the file. `are_floats`: the file calls its coordinates floats of 32 bits, though text has them as
+/// doubles. `evidence.given` is that of the options. CANCELLED, DEADLINE_EXCEEDED.
+absl::Status read_positions(const std::array<Column, 3>& columns, bool are_floats, ViewEvidence evidence,
+                            const ReadOptions& options, StopCheck& check, LabeledCloud& out);
 
 }  // namespace segserve::codec

@@ -55,19 +55,6 @@ std::optional<T> microsoft_number(std::string_view word) {
   return is_negative ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
 }
 
-/// Rounds a number with decimals, if it fits the type.
-template <typename T>
-bool convert_decimals(std::string_view word, T& value) {
-  double number = 0;
-  if (!convert_float(word, number)) return false;
-  number = std::round(number);
-  constexpr double kBelow = static_cast<double>(std::numeric_limits<T>::min());
-  const double above = std::ldexp(1.0, std::numeric_limits<T>::digits);
-  if (!(number >= kBelow && number < above)) return false;
-  value = static_cast<T>(number);
-  return true;
-}
-
 }  // namespace
 
 std::string_view without_byte_order_mark(std::string_view text) {
@@ -121,10 +108,12 @@ bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
         value = *number;
       } else if (!convert_float(word, value)) {
         return false;
+      } else if (std::isnan(value)) {
+        value = std::numeric_limits<T>::quiet_NaN();
       }
     } else {
       const auto [end, error] = convert(word, value);
-      if ((error != std::errc{} || end != word.data() + word.size()) && !convert_decimals(word, value)) return false;
+      if (error != std::errc{} || end != word.data() + word.size()) return false;
     }
     std::memcpy(out, &value, sizeof(T));
     return true;

@@ -53,17 +53,10 @@ std::vector<std::string_view> split_words(std::string_view text);
 /// Parses a number of decimal digits only; nullopt for other words, and for numbers beyond 64 bits.
 std::optional<std::uint64_t> parse_count(std::string_view word);
 
-/// The type of a text's numbers. Text is unmistakable, so that integers beyond the type that the header claims are read
-/// as they are, such as 200 in a field of signed bytes.
-constexpr ScalarType text_type(ScalarType type) {
-  if (is_float(type) || type == ScalarType::kUint64) return type;
-  return size_of(type) <= 2 ? ScalarType::kInt32 : ScalarType::kInt64;
-}
-
 /// Parses a number of the type, which may begin with a sign, and writes its `size_of(type)` bytes to `out`. Returns
-/// false if `word` is no such number. An integer must fit the type; it may have decimals, such as 150.0, and is rounded
-/// then. A float may be nan or inf, in Microsoft's spelling too (1.#QNAN, -1.#IND, 1.#INF); beyond the range of
-/// kFloat32 it becomes 0 or infinite, and beyond the range of double it is refused.
+/// false if `word` is no such number. An integer must fit the type, and has no decimals. A float may be nan or inf, in
+/// Microsoft's spelling too (1.#QNAN, -1.#IND, 1.#INF); beyond the range of kFloat32 it becomes 0 or infinite, and
+/// beyond the range of double it is refused. Every NaN becomes the same one, since text does not keep its bits.
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out);
 
 /// Appends the shortest text that reads back as the same float. Every NaN becomes `nan`.

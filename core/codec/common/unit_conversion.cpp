@@ -19,7 +19,7 @@ absl::StatusOr<LabeledCloud> to_meters(const CloudView& cloud, const ReadOptions
     return Column{std::as_bytes(plane).data(), sizeof(float), ScalarType::kFloat32};
   };
   StopCheck check(stop);
-  RETURN_IF_ERROR(read_positions({column(cloud.x), column(cloud.y), column(cloud.z)}, {}, options, check, out));
+  RETURN_IF_ERROR(read_positions({column(cloud.x), column(cloud.y), column(cloud.z)}, true, {}, options, check, out));
   return out;
 }
 

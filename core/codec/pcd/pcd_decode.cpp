@@ -14,6 +14,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/common/text_rows.hpp"
 #include "core/codec/pcd/pcd_header.hpp"
 #include "segserve/codec/pcd.hpp"
 
@@ -54,81 +55,73 @@ absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& hea
   return body.subspan(kSizes, compressed);
 }
 
-/// A value of a line of text that is kept.
+/// A word of a line of text that is kept.
 struct Slot {
-  std::size_t word = 0;                    ///< which word of the line it is
-  std::size_t field = 0;                   ///< index of its field
-  std::size_t offset = 0;                  ///< bytes from the start of the binary row
-  ScalarType type = ScalarType::kFloat32;  ///< in the binary row
-  bool is_needed = true;                   ///< whether its field has a role
+  std::size_t word = 0;   ///< which word of the line it is
+  std::size_t field = 0;  ///< index of its field
+  std::size_t index = 0;  ///< which of the field's words it is
 };
 
-/// How a line of text becomes a row of binary values.
-struct RowPlan {
-  std::vector<Slot> slots;  ///< in the order of the words
-  std::size_t words = 0;    ///< number of words in a line
-  std::size_t bytes = 0;    ///< length of a row
+/// The rows of a text body.
+struct TextBody {
+  TextRows rows;
+  std::vector<Slot> slots;           ///< in the order of the words
+  std::size_t words = 0;             ///< number of words in a line
+  std::set<std::size_t> needed;      ///< the fields that cannot be left out, unlike labels
+  std::set<std::size_t> unreadable;  ///< the other fields that have words which are no numbers
 
   /// Keeps all fields, or only those that have a role.
-  RowPlan(const PcdHeader& header, bool keep_all) {
+  TextBody(const PcdHeader& header, bool keep_all) {
     const auto used = header.roles.fields();
+    needed = {used.begin(), used.end()};
+    const std::set<std::size_t> kept = needed;
+    if (header.roles.label) needed.erase(*header.roles.label);
     for (std::size_t i = 0; i < header.fields.size(); ++i) {
-      const bool is_used = std::ranges::find(used, i) != used.end();
-      const std::size_t kept = is_used || (keep_all && !header.fields[i].is_padding()) ? header.fields[i].count : 0;
-      // Values that have no meaning here are kept in the type that the header gives them.
-      const ScalarType type = is_used ? text_type(header.fields[i].type) : header.fields[i].type;
-      for (std::size_t k = 0; k < kept; ++k) {
-        slots.push_back({words + k, i, bytes, type, is_used});
-        bytes += size_of(type);
+      const PcdField& field = header.fields[i];
+      if (kept.contains(i) || (keep_all && !field.is_padding())) {
+        rows.add_field(field.type, field.count, std::ranges::count(header.roles.position, i) > 0);
+        for (std::size_t k = 0; k < field.count; ++k) slots.push_back({words + k, i, k});
+      } else {
+        rows.add_skipped_field();
       }
-      words += header.fields[i].count;
+      words += field.count;
     }
   }
 };
 
-/// The rows of a text body in binary, and the fields without a role that have words which are no values of theirs.
-struct BinaryRows {
-  std::unique_ptr<std::byte[]> bytes;
-  std::set<std::size_t> unreadable;
-};
-
-/// Writes the values of a line to `row`, which has plan.bytes bytes. A line can be as long as the file, so that each
-/// word counts as work.
-absl::Status parse_row(const PcdHeader& header, const RowPlan& plan, const LineReader::Line& line, StopCheck& check,
-                       std::byte* row, std::set<std::size_t>& unreadable) {
+/// Reads the words of a line. A line can be as long as the file, so that each word counts as work.
+absl::Status parse_row(const PcdHeader& header, const LineReader::Line& line, std::size_t row, StopCheck& check,
+                       TextBody& body) {
   std::string_view rest = line.text;
   std::size_t words = 0;
-  auto slot = plan.slots.begin();
+  auto slot = body.slots.begin();
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest), ++words) {
     if (check.after(1)) return check.status();
-    if (words == plan.words) {
-      return fault("line {} has more values than the {} that FIELDS and COUNT promise", line.number, plan.words);
+    if (words == body.words) {
+      return fault("line {} has more values than the {} that FIELDS and COUNT promise", line.number, body.words);
     }
-    if (slot == plan.slots.end() || slot->word != words) continue;
+    if (slot == body.slots.end() || slot->word != words) continue;
     const PcdField& field = header.fields[slot->field];
-    if (!parse_scalar(word, slot->type, row + slot->offset)) {
-      if (!slot->is_needed) {
-        std::fill_n(row + slot->offset, size_of(slot->type), std::byte{0});
-        unreadable.insert(slot++->field);
-        continue;
+    if (!body.rows.put(row, slot->field, slot->index, word)) {
+      if (body.needed.contains(slot->field)) {
+        return fault("line {}: {} is not a value of field {} ({} of {} bytes)", line.number, quoted(word),
+                     quoted(field.name), is_float(field.type) ? "a float" : "an integer", field.bytes());
       }
-      return fault("line {}: {} is not a value of field {} ({} of {} bytes)", line.number, quoted(word),
-                   quoted(field.name), is_float(field.type) ? "a float" : "an integer", field.bytes());
+      body.unreadable.insert(slot->field);
     }
     ++slot;
   }
-  if (words != plan.words) {
-    return fault("line {} has {} values, but FIELDS and COUNT promise {}", line.number, words, plan.words);
+  if (words != body.words) {
+    return fault("line {} has {} values, but FIELDS and COUNT promise {}", line.number, words, body.words);
   }
   return absl::OkStatus();
 }
 
-/// Writes the header.points lines of a text body to `rows`, each as a row of plan.bytes bytes. Warns of more lines.
-absl::Status parse_rows(const PcdHeader& header, const RowPlan& plan, std::string_view body, const StopToken& stop,
-                        BinaryRows& rows, std::vector<Warning>& warnings) {
-  LineReader lines(body, header.body_line);
+/// Reads the header.points lines of a text body. Warns of more lines.
+absl::Status parse_rows(const PcdHeader& header, std::string_view text, StopCheck& check, TextBody& body,
+                        std::vector<Warning>& warnings) {
+  LineReader lines(text, header.body_line);
   std::size_t read = 0, left_out = 0;
-  StopCheck check(stop);
   while (const auto line = lines.next()) {
     if (check.after(1)) return check.status();
     if (is_blank(line->text) || line->text.starts_with('#')) continue;
@@ -136,7 +129,7 @@ absl::Status parse_rows(const PcdHeader& header, const RowPlan& plan, std::strin
       ++left_out;
       continue;
     }
-    RETURN_IF_ERROR(parse_row(header, plan, *line, check, rows.bytes.get() + read * plan.bytes, rows.unreadable));
+    RETURN_IF_ERROR(parse_row(header, *line, read, check, body));
     ++read;
   }
   if (read != header.points) return fault("it ends after {} of POINTS {}", read, header.points);
@@ -169,9 +162,9 @@ class BodyReader {
   /// A body has fields one after the other, each with all its points, as one LZF block.
   absl::Status read_compressed(std::span<const std::byte> body);
   /// A body has a line for each point, with the values of all its fields.
-  absl::Status read_ascii(std::span<const std::byte> body);
-  absl::Status read_columns(std::function<Column(std::size_t field)> column,
-                            const std::set<std::size_t>& unreadable = {});
+  absl::Status read_ascii(std::span<const std::byte> bytes);
+  PointTable make_table(std::function<Column(std::size_t field)> column) const;
+  absl::Status read_table(const PointTable& table);
 
   const PcdHeader& header_;
   const ReadOptions& options_;
@@ -180,10 +173,11 @@ class BodyReader {
   LabeledCloud& out_;
 };
 
-absl::Status BodyReader::read_columns(std::function<Column(std::size_t field)> column,
-                                      const std::set<std::size_t>& unreadable) {
-  PointTable table{header_.point_fields(), header_.roles, header_.width, header_.height, std::move(column)};
-  leave_out(unreadable, table.fields, out_.warnings);
+PointTable BodyReader::make_table(std::function<Column(std::size_t field)> column) const {
+  return {header_.point_fields(), header_.roles, header_.width, header_.height, std::move(column)};
+}
+
+absl::Status BodyReader::read_table(const PointTable& table) {
   ViewEvidence evidence{.stated = header_.stated_view, .position = header_.viewpoint, .entry = "VIEWPOINT"};
   evidence.has_entry = true;
   return read_points(table, evidence, options_, stop_, out_);
@@ -194,11 +188,11 @@ absl::Status BodyReader::read_binary(std::span<const std::byte> body) {
   if (header_.points > body.size() / point_bytes) {
     return fault("it has {} bytes, but POINTS {} of {} bytes each need more", body.size(), header_.points, point_bytes);
   }
-  return read_columns([&](std::size_t field) {
+  return read_table(make_table([&](std::size_t field) {
     std::size_t offset = 0;
     for (std::size_t i = 0; i < field; ++i) offset += header_.fields[i].bytes();
     return Column{body.data() + offset, point_bytes, header_.fields[field].type};
-  });
+  }));
 }
 
 absl::Status BodyReader::read_compressed(std::span<const std::byte> body) {
@@ -210,27 +204,31 @@ absl::Status BodyReader::read_compressed(std::span<const std::byte> body) {
                                             static_cast<unsigned>(size));
     if (written != size) return fault("the {} compressed bytes are damaged", compressed.size());
   }
-  return read_columns([&](std::size_t field) {
+  return read_table(make_table([&](std::size_t field) {
     std::size_t offset = 0;
     for (std::size_t i = 0; i < field; ++i) {
       if (!header_.fields[i].is_padding()) offset += header_.fields[i].bytes() * header_.points;
     }
     return Column{planes.get() + offset, header_.fields[field].bytes(), header_.fields[field].type};
-  });
+  }));
 }
 
-absl::Status BodyReader::read_ascii(std::span<const std::byte> body) {
-  const RowPlan plan(header_, options_.keep_everything);
-  if (header_.points > most_values(body.size()) / plan.words) {
-    return fault("it has {} bytes, but POINTS {} of {} values each need more", body.size(), header_.points, plan.words);
+absl::Status BodyReader::read_ascii(std::span<const std::byte> bytes) {
+  TextBody body(header_, options_.keep_everything);
+  if (header_.points > most_values(bytes.size()) / body.words) {
+    return fault("it has {} bytes, but POINTS {} of {} values each need more", bytes.size(), header_.points,
+                 body.words);
   }
-  BinaryRows rows{allocate(header_.points * plan.bytes), {}};
-  RETURN_IF_ERROR(parse_rows(header_, plan, without_byte_order_mark(as_text(body)), stop_, rows, out_.warnings));
-  const auto column = [&](std::size_t field) {
-    const auto slot = std::ranges::find(plan.slots, field, &Slot::field);
-    return Column{rows.bytes.get() + slot->offset, plan.bytes, slot->type};
-  };
-  return read_columns(column, rows.unreadable);
+  body.rows.allocate(header_.points);
+  StopCheck check(stop_);
+  RETURN_IF_ERROR(parse_rows(header_, without_byte_order_mark(as_text(bytes)), check, body, out_.warnings));
+  PointTable table = make_table([&](std::size_t field) { return body.rows.column(field); });
+  for (std::size_t i = 0; i < table.fields.size(); ++i) {
+    if (!body.needed.contains(i) && body.rows.is_kept(i)) table.fields[i].type = body.rows.fitting_type(i, check);
+  }
+  RETURN_IF_ERROR(check.status());
+  leave_out(body.unreadable, table, out_.warnings);
+  return read_table(table);
 }
 
 }  // namespace

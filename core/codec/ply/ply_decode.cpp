@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/common/text_rows.hpp"
 #include "core/codec/ply/ply_header.hpp"
 #include "segserve/codec/ply.hpp"
 
@@ -34,26 +34,53 @@ std::optional<std::uint64_t> list_length(const std::byte* bytes, ScalarType type
   });
 }
 
+/// The vertices of a binary body, of which some properties are kept in its types and byte order.
+class BinaryRows {
+ public:
+  void add_field(ScalarType type, std::size_t /*count*/, bool /*is_coordinate*/) {
+    fields_.push_back({bytes_, type, true});
+    bytes_ += size_of(type);
+  }
+  void add_skipped_field() { fields_.emplace_back(); }
+  void allocate(std::size_t rows) { data_ = std::make_unique_for_overwrite<std::byte[]>(rows * bytes_); }
+  bool is_kept(std::size_t field) const { return fields_[field].is_kept; }
+  void put(std::size_t row, std::size_t field, const std::byte* value) {
+    std::memcpy(data_.get() + row * bytes_ + fields_[field].offset, value, size_of(fields_[field].type));
+  }
+  Column column(std::size_t field) const { return {data_.get() + fields_[field].offset, bytes_, fields_[field].type}; }
+  ScalarType fitting_type(std::size_t field, StopCheck& /*check*/) const { return fields_[field].type; }
+
+ private:
+  struct BinaryField {
+    std::size_t offset = 0;  ///< in a row
+    ScalarType type = ScalarType::kFloat32;
+    bool is_kept = false;
+  };
+  std::vector<BinaryField> fields_;
+  std::size_t bytes_ = 0;
+  std::unique_ptr<std::byte[]> data_;
+};
+
 // BinaryValues and TextValues have the same members, so that read_element can walk over either kind of body. A member
 // that returns false has found a fault, which place() then describes.
 
 /// Walks over the values of a binary body.
 class BinaryValues {
  public:
+  using Rows = BinaryRows;
   BinaryValues(std::span<const std::byte> body, std::endian order) : rest_(body), order_(order) {}
 
   std::endian order() const { return order_; }
-  static ScalarType row_type(ScalarType type) { return type; }
   static bool was_unreadable() { return false; }
   /// Whether the rest of the body is long enough for an element that has properties.
   bool can_hold(const PlyElement& element) const { return element.rows <= rest_.size() / element.least_row_bytes(); }
   bool begin_row() { return true; }
   bool end_row() { return true; }
-  /// Copies a value to `out` in the body's byte order, or skips it if `out` is null.
-  bool scalar(const PlyProperty& property, ScalarType /*type*/, std::byte* out) {
+  /// Copies the value of a property to a row, or skips it if `rows` is null.
+  bool scalar(const PlyProperty& property, std::size_t field, std::size_t row, BinaryRows* rows) {
     const std::size_t bytes = size_of(property.type);
     if (rest_.size() < bytes) return false;
-    if (out != nullptr) std::memcpy(out, rest_.data(), bytes);
+    if (rows != nullptr) rows->put(row, field, rest_.data());
     rest_ = rest_.subspan(bytes);
     return true;
   }
@@ -79,11 +106,11 @@ class BinaryValues {
 /// Walks over the values of a text body, which has a line for each row.
 class TextValues {
  public:
+  using Rows = TextRows;
   TextValues(std::string_view body, std::size_t first_line)
       : lines_(without_byte_order_mark(body), first_line), bytes_(body.size()) {}
 
   static std::endian order() { return std::endian::native; }
-  static ScalarType row_type(ScalarType type) { return text_type(type); }
   /// Whether the body is long enough for an element that has properties.
   bool can_hold(const PlyElement& element) const {
     return element.rows <= most_values(bytes_) / element.properties.size();
@@ -99,10 +126,10 @@ class TextValues {
     const std::string_view word = take_word(line_.text);
     return word.empty() || explain(fmt::format("{} is one value too many", quoted(word)));
   }
-  bool scalar(const PlyProperty& property, ScalarType type, std::byte* out) {
+  bool scalar(const PlyProperty& property, std::size_t field, std::size_t row, TextRows* rows) {
     const std::string_view word = take_word(line_.text);
     if (word.empty()) return explain(fmt::format("the value of '{}' is missing", property.name));
-    if (out == nullptr || parse_scalar(word, type, out)) return true;
+    if (rows == nullptr || rows->put(row, field, 0, word)) return true;
     is_unreadable_ = true;
     return explain(fmt::format("{} is not a value of '{}'", quoted(word), property.name));
   }
@@ -143,34 +170,33 @@ class TextValues {
   bool is_unreadable_ = false;
 };
 
-/// The values of the properties that are kept. Each vertex has a row.
-struct VertexRows {
-  static constexpr std::size_t kSkip = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> offset;  ///< where each property begins in a row; kSkip if it is not kept
-  std::vector<ScalarType> type;     ///< of each property's values in a row
-  std::vector<bool> is_needed;      ///< whether the property has a role
-  std::size_t bytes = 0;            ///< length of a row
-  std::unique_ptr<std::byte[]> data;
-  std::set<std::size_t> unreadable;  ///< properties without a role that have words which are no values of theirs
+/// The properties of the vertices that are kept.
+template <typename Rows>
+struct Vertices {
+  Rows rows;
+  std::set<std::size_t> needed;      ///< the properties that cannot be left out, unlike labels
+  std::set<std::size_t> unreadable;  ///< the other properties that have words which are no numbers
 
   /// Keeps all properties but lists, or only those that have a role.
-  VertexRows(const PlyElement& vertex, const FieldRoles& roles, bool keep_all, ScalarType (*row_type)(ScalarType))
-      : offset(vertex.properties.size(), kSkip) {
+  Vertices(const PlyElement& vertex, const FieldRoles& roles, bool keep_all) {
     const auto used = roles.fields();
+    needed = {used.begin(), used.end()};
+    const std::set<std::size_t> kept = needed;
+    if (roles.label) needed.erase(*roles.label);
     for (std::size_t i = 0; i < vertex.properties.size(); ++i) {
       const PlyProperty& property = vertex.properties[i];
-      is_needed.push_back(std::ranges::find(used, i) != used.end());
-      type.push_back(is_needed[i] ? row_type(property.type) : property.type);
-      if (!is_needed[i] && (!keep_all || property.length_type)) continue;
-      offset[i] = bytes;
-      bytes += size_of(type[i]);
+      if (kept.contains(i) || (keep_all && !property.length_type)) {
+        rows.add_field(property.type, 1, std::ranges::count(roles.position, i) > 0);
+      } else {
+        rows.add_skipped_field();
+      }
     }
   }
 };
 
-/// Reads one row into rows.data, if `rows` is not null. Returns false after a fault.
+/// Reads one row into `vertices`, if that is not null. Returns false after a fault.
 template <typename Values>
-bool read_row(const PlyElement& element, std::uint64_t row, Values& values, VertexRows* rows) {
+bool read_row(const PlyElement& element, std::size_t row, Values& values, Vertices<typename Values::Rows>* vertices) {
   if (!values.begin_row()) return false;
   for (std::size_t i = 0; i < element.properties.size(); ++i) {
     const PlyProperty& property = element.properties[i];
@@ -178,27 +204,24 @@ bool read_row(const PlyElement& element, std::uint64_t row, Values& values, Vert
       if (!values.skip_list(property)) return false;
       continue;
     }
-    const bool is_kept = rows != nullptr && rows->offset[i] != VertexRows::kSkip;
-    std::byte* const out = is_kept ? rows->data.get() + row * rows->bytes + rows->offset[i] : nullptr;
-    if (values.scalar(property, is_kept ? rows->type[i] : property.type, out)) continue;
-    if (!is_kept || rows->is_needed[i] || !values.was_unreadable()) return false;
-    std::fill_n(out, size_of(rows->type[i]), std::byte{0});
-    rows->unreadable.insert(i);
+    const bool is_kept = vertices != nullptr && vertices->rows.is_kept(i);
+    if (values.scalar(property, i, row, is_kept ? &vertices->rows : nullptr)) continue;
+    if (!is_kept || vertices->needed.contains(i) || !values.was_unreadable()) return false;
+    vertices->unreadable.insert(i);
   }
   return values.end_row();
 }
 
 /// Reads one element. Its values are kept in `keep` unless that is null.
 template <typename Values>
-absl::Status read_element(const PlyElement& element, Values& values, StopCheck& check, VertexRows* keep) {
+absl::Status read_element(const PlyElement& element, Values& values, StopCheck& check,
+                          Vertices<typename Values::Rows>* keep) {
   if (element.properties.empty()) return absl::OkStatus();
   if (!values.can_hold(element)) return fault("it is too short for {} rows of {}", element.rows, quoted(element.name));
-  if (keep != nullptr) {
-    keep->data = std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(element.rows) * keep->bytes);
-  }
+  if (keep != nullptr) keep->rows.allocate(static_cast<std::size_t>(element.rows));
   for (std::uint64_t row = 0; row < element.rows; ++row) {
     if (check.after(element.properties.size())) return check.status();
-    if (!read_row(element, row, values, keep)) {
+    if (!read_row(element, static_cast<std::size_t>(row), values, keep)) {
       return fault("row {} (counted from 0) of {}: {}", row, quoted(element.name), values.place());
     }
   }
@@ -209,7 +232,7 @@ absl::Status read_element(const PlyElement& element, Values& values, StopCheck& 
 template <typename Values>
 void check_rest(const PlyHeader& header, Values& values, StopCheck& check, std::vector<Warning>& warnings) {
   for (std::size_t i = header.vertex + 1; i < header.elements.size(); ++i) {
-    const absl::Status damage = read_element(header.elements[i], values, check, nullptr);
+    const absl::Status damage = read_element<Values>(header.elements[i], values, check, nullptr);
     if (check.stopped()) return;
     if (!damage.ok()) {
       warnings.push_back(
@@ -243,18 +266,24 @@ class BodyReader {
   template <typename Values>
   absl::Status read_values(Values values) {
     const PlyElement& vertex = header_.elements[header_.vertex];
-    VertexRows rows(vertex, header_.roles, options_.keep_everything, Values::row_type);
+    Vertices<typename Values::Rows> vertices(vertex, header_.roles, options_.keep_everything);
     StopCheck check(stop_);
     for (std::size_t i = 0; i <= header_.vertex; ++i) {
-      RETURN_IF_ERROR(read_element(header_.elements[i], values, check, i == header_.vertex ? &rows : nullptr));
+      RETURN_IF_ERROR(read_element(header_.elements[i], values, check, i == header_.vertex ? &vertices : nullptr));
     }
     check_rest(header_, values, check, out_.warnings);
-    RETURN_IF_ERROR(check.status());
     const auto column = [&](std::size_t property) {
-      return Column{rows.data.get() + rows.offset[property], rows.bytes, rows.type[property], values.order()};
+      Column values_of_property = vertices.rows.column(property);
+      values_of_property.order = values.order();
+      return values_of_property;
     };
     PointTable table{fields_of(vertex), header_.roles, static_cast<std::uint32_t>(vertex.rows), 1, column};
-    leave_out(rows.unreadable, table.fields, out_.warnings);
+    for (std::size_t i = 0; i < table.fields.size(); ++i) {
+      if (vertices.needed.contains(i) || !vertices.rows.is_kept(i)) continue;
+      table.fields[i].type = vertices.rows.fitting_type(i, check);
+    }
+    RETURN_IF_ERROR(check.status());
+    leave_out(vertices.unreadable, table, out_.warnings);
     return read_points(table, {.stated = header_.stated_view}, options_, stop_, out_);
   }
 

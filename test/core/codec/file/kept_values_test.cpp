@@ -76,12 +76,23 @@ TEST(KeptValues, BigEndianPlyIsTurned) {
   EXPECT_THAT(cloud.attributes[0].values, ElementsAre(std::byte{2}, std::byte{1}));
 }
 
+TEST(KeptValues, NumbersOfTextThatExceedTheirTypeAreKept) {
+  const LabeledCloud cloud = decode(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar wide\nproperty uchar narrow\nend_header\n1 2 3 300 7\n1 2 3 4 8.0\n");
+  EXPECT_TRUE(cloud.warnings.empty());
+  ASSERT_EQ(cloud.attributes.size(), 2U);
+  EXPECT_EQ(cloud.attributes[0].type, ScalarType::kInt64);
+  EXPECT_EQ(cloud.attributes[1].type, ScalarType::kUint8);
+  EXPECT_THAT(cloud.attributes[1].values, ElementsAre(std::byte{7}, std::byte{8}));
+}
+
 TEST(KeptValues, WordsThatAreNoNumbersAreMentioned) {
   const LabeledCloud pcd =
       decode("FIELDS x y z tag\nSIZE 4 4 4 1\nTYPE F F F U\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3 red\n");
   const LabeledCloud ply = decode(
       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar tag\nend_header\n1 2 3 300\n");
+      "property uchar tag\nend_header\n1 2 3 cup\n");
   for (const LabeledCloud& cloud : {pcd, ply}) {
     EXPECT_TRUE(cloud.attributes.empty());
     ASSERT_EQ(cloud.warnings.size(), 1U);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The meaning of the fields of a PCD file, in any order and of any types.
 
+#include <array>
+#include <bit>
 #include <cstring>
 
 #include "segserve/codec/pcd.hpp"
@@ -71,10 +73,32 @@ TEST(PcdFields, PackedIntegerIsTheSameWhateverItsNameAndSign) {
 }
 
 TEST(PcdFields, PackedTextOfTypeFloatIsTheBitsOfAFloat) {
-  const float number = 4.2108e+06F;
   const std::string file = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 3, "ascii") +
-                           "0 0 0 4.2108e+06\n0 0 0 nan\n0 0 0 2.3418052e-38\n";
-  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(std::bit_cast<std::uint32_t>(number) & 0xFFFFFFU, 0U, 0xFF0000U));
+                           "0 0 0 9.4039548e-38\n0 0 0 nan\n0 0 0 2.3418052e-38\n";
+  const std::uint32_t bits = std::bit_cast<std::uint32_t>(9.4039548e-38F);
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(bits & 0xFFFFFFU, 0U, 0xFF0000U));
+}
+
+TEST(PcdFields, PackedFloatsThatAreWholeNumbersAreTheirValues) {
+  const std::string text = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 4, "ascii") +
+                           "0 0 0 4.2108e+06\n0 0 0 nan\n0 0 0 0\n0 0 0 9858630\n";
+  EXPECT_THAT(decode(text).cloud.rgb, ElementsAre(4210800U, 0U, 0U, 9858630U));
+  std::string binary = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 2, "binary");
+  for (const float value : {4210752.0F, 255.0F}) {
+    binary.append(12, '\0');
+    put(binary, value);
+  }
+  EXPECT_THAT(decode(binary).cloud.rgb, ElementsAre(0x404040U, 0xFFU));
+}
+
+TEST(PcdFields, PackedColorsThatAreNanAreMentioned) {
+  const std::string file = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 4, "ascii") +
+                           "1 2 3 nan\n1 2 3 -nan\nnan nan nan nan\n1 2 3 2.3418052e-38\n";
+  const LabeledCloud read = decode(file);
+  EXPECT_THAT(read.cloud.rgb, ElementsAre(0U, 0U, 0U, 0xFF0000U));
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kColorNotUsed);
+  EXPECT_THAT(read.warnings[0].message, testing::HasSubstr("2 of 3 colors are NaN"));
 }
 
 TEST(PcdFields, PackedTextOfTypeUnsignedIsAnInteger) {
@@ -149,6 +173,8 @@ TEST(PcdFields, WhatIsNotUsedIsMentioned) {
   EXPECT_EQ(reason_of(header("x y z", "4 4 4", "F F F", "1 1 1", 2, "ascii") + three), WarningReason::kRowsNotUsed);
   const std::string label = header("x y z label", "4 4 4 8", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 4294967296\n";
   EXPECT_EQ(reason_of(label), WarningReason::kLabelNotUsed);
+  const std::string part = header("x y z label", "4 4 4 4", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 1.5\n";
+  EXPECT_EQ(reason_of(part), WarningReason::kLabelNotUsed);
   const std::string color = header("x y z rgb", "4 4 4 8", "F F F F", "1 1 1 1", 1, "ascii") + "0 0 0 1\n";
   EXPECT_EQ(reason_of(color), WarningReason::kColorNotUsed);
 }
@@ -159,6 +185,47 @@ TEST(PcdFields, TextOfIntegersMayExceedTheirType) {
   EXPECT_THAT(decode(bytes).cloud.rgb, ElementsAre(0xC80009U));
   const std::string packed = header("x y z rgb", "4 4 4 4", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 4279246080\n";
   EXPECT_THAT(decode(packed).cloud.rgb, ElementsAre(4279246080U & 0xFFFFFFU));
+}
+
+TEST(PcdFields, TextIsReadAsItIsWrittenWhateverTypeIsClaimed) {
+  const std::string file =
+      header("x y z r g b label intensity", "4 4 4 1 1 1 4 1", "I I I U U U U U", "1 1 1 1 1 1 1 1", 2, "ascii") +
+      "0.25 -0.5 7 0 1 0.6 nan 3\n1 2 3.5 0.2 0 1 4 0.5\n";
+  const auto read = decode_pcd(bytes_of(file), DecodeLimits{}, {.keep_everything = true});
+  ASSERT_TRUE(read.ok()) << read.status();
+  EXPECT_THAT(read->cloud.x, ElementsAre(0.25F, 1.0F));
+  EXPECT_THAT(read->cloud.z, ElementsAre(7.0F, 3.5F));
+  EXPECT_THAT(read->cloud.rgb, ElementsAre(pack_rgb(0, 255, 153), pack_rgb(51, 0, 255)));
+  EXPECT_THAT(read->label, ElementsAre(0U, 4U));
+  EXPECT_THAT(read->warnings, IsEmpty());
+  ASSERT_EQ(read->attributes.size(), 2U);
+  EXPECT_EQ(read->attributes[1].type, ScalarType::kFloat64);
+  std::array<double, 2> intensity{};
+  ASSERT_EQ(read->attributes[1].values.size(), sizeof intensity);
+  std::memcpy(intensity.data(), read->attributes[1].values.data(), sizeof intensity);
+  EXPECT_THAT(intensity, ElementsAre(3, 0.5));
+}
+
+TEST(PcdFields, PackedTextOfTypeUnsignedMayBeTheBitsOfAFloat) {
+  const std::string file =
+      header("x y z rgb", "4 4 4 4", "F F F U", "1 1 1 1", 2, "ascii") + "0 0 0 0\n0 0 0 2.3418052e-38\n";
+  EXPECT_THAT(decode(file).cloud.rgb, ElementsAre(0U, 0xFF0000U));
+}
+
+TEST(PcdFields, TextOfFloatsFarAwayIsExact) {
+  const std::string file = header("x y z", "4 4 4", "F F F", "1 1 1", 3, "ascii") +
+                           "389425.4999 5819321.2498 50\n389425.5 5819321.26 50\n389425.6 5819321.27 50\n";
+  const LabeledCloud read = decode(file);
+  EXPECT_NEAR(read.cloud.y[1] - read.cloud.y[0], 0.0102, 1e-6);
+  EXPECT_NEAR(read.cloud.x[1] - read.cloud.x[0], 0.0001, 1e-6);
+}
+
+TEST(PcdFields, LabelsThatAreWordsAreLeftOutAndMentioned) {
+  const std::string file = header("x y z label", "4 4 4 4", "F F F U", "1 1 1 1", 2, "ascii") + "0 0 0 1\n0 0 1 cup\n";
+  const LabeledCloud read = decode(file);
+  EXPECT_THAT(read.label, IsEmpty());
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kLabelNotUsed);
 }
 
 TEST(PcdFields, TextOfExtremeNumbers) {

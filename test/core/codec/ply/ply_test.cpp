@@ -84,6 +84,27 @@ TEST(PlyRead, IntegersAreCoordinatesAndColorsHaveDecimals) {
   EXPECT_THAT(read.cloud.rgb, ElementsAre(0x960A07U));
 }
 
+TEST(PlyRead, TextIsReadAsItIsWrittenWhateverTypeIsClaimed) {
+  const LabeledCloud read = decode(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty int x\nproperty int y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int label\nend_header\n"
+      "1 2 3 0 1 1 2\n0.0067 0.5 0.25 0.588235 0 0 nan\n");
+  EXPECT_THAT(read.cloud.x, ElementsAre(1, 0.0067F));
+  EXPECT_THAT(read.cloud.y, ElementsAre(2, 0.5F));
+  EXPECT_THAT(read.cloud.rgb, ElementsAre(0x00FFFFU, 0x960000U));
+  EXPECT_THAT(read.label, ElementsAre(2U, 0U));
+}
+
+TEST(PlyRead, LabelsThatAreWordsAreLeftOutAndMentioned) {
+  const LabeledCloud read = decode(
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"
+      "property int label\nend_header\n1 2 3 1\n4 5 6 cup\n");
+  EXPECT_THAT(read.cloud.x, ElementsAre(1, 4));
+  EXPECT_THAT(read.label, IsEmpty());
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kLabelNotUsed);
+}
+
 TEST(PlyRead, TextWithCommentsListsAndOtherElements) {
   const LabeledCloud read = decode(
       "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info num_cols 2\r\n"
