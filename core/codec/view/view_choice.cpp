@@ -69,12 +69,15 @@ bool is_far_away(const Extent& e) {
 }
 
 /// Whether the origin is below the points, so that it cannot be the sensor that saw them: they lie on a horizontal
-/// plane, or reach farther aside than a camera sees that looks up.
+/// plane, or reach farther aside than a camera sees that looks up. Beside the points, only both together tell.
 bool is_below(const CloudView& cloud, const Extent& e, StopCheck& check) {
-  for (int axis = 0; axis < 2; ++axis) {
-    if (e.low[axis] > 0 || e.high[axis] < 0) return false;
-  }
-  return e.low[2] >= 0 && (!e.is_in_frustum() || has_horizontal_plane(cloud, e, check));
+  bool is_beside = false;
+  for (int axis = 0; axis < 2; ++axis) is_beside = is_beside || e.low[axis] > 0 || e.high[axis] < 0;
+  // The noise of a floor at the height of the origin does not make the floor one that is seen.
+  const float noise = is_beside ? (e.high[2] - e.low[2]) / 50 : 0;
+  if (e.low[2] < -noise) return false;
+  if (is_beside) return !e.is_in_frustum() && has_horizontal_plane(cloud, e, check);
+  return !e.is_in_frustum() || has_horizontal_plane(cloud, e, check);
 }
 
 /// Chooses by the position that an entry of the file has, or by the lack of one.

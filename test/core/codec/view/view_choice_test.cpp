@@ -141,7 +141,10 @@ TEST(ViewChoice, SweepsOfALidarAreSeenFromTheOrigin) {
 TEST(ViewChoice, ADefaultPositionIsBelievedOnlyOutside) {
   EXPECT_FALSE(choose(table(0, 0, -0.05F), viewpoint(0, 0, 0)).sensor) << "inside the box";
   EXPECT_FALSE(choose(table(0, 0, 0.7F), viewpoint(0, 0, 0)).sensor) << "below the table";
+  EXPECT_FALSE(choose(table(0.7F, 0.7F, 0.3F), viewpoint(0, 0, 0)).sensor) << "below, aside";
+  EXPECT_FALSE(choose(table(0.7F, 0.7F, -0.001F), viewpoint(0, 0, 0)).sensor) << "as high as the table";
   EXPECT_EQ(choose(table(0, 3, -1), viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0)) << "above, aside";
+  EXPECT_EQ(choose(table(0.7F, 0, 3), viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0)) << "in a camera's view";
   EXPECT_FALSE(choose(table(0, 3, -1)).sensor) << "a format that has no entry for it";
   EXPECT_EQ(choose(table(0, 0, 0), viewpoint(0, 0, 2)).sensor, Eigen::Vector3d(0, 0, 2));
 }
