@@ -257,6 +257,7 @@ void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<
 absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,
                          const StopToken& stop, LabeledCloud& out) {
   PointTable table = given;
+  if (table.width == 1) std::swap(table.width, table.height);  // A column of points is not organized.
   // Without points there may be no bytes for a column to begin at.
   if (table.points() == 0) table.column = [](std::size_t) { return Column(); };
   const FieldRoles& roles = table.roles;

@@ -172,7 +172,7 @@ absl::Status read_shape(const Entries& entries, const DecodeLimits& limits, PcdH
   if (!given_points && !given_width) return fault("POINTS and WIDTH are missing");
   const std::uint64_t width = given_width ? *given_width : *given_points;
   // Some programs write HEIGHT 0 for a cloud that is not organized.
-  const bool is_flat = given_height == 0 && given_points == width;
+  const bool is_flat = given_height == 0 && given_points.value_or(width) == width;
   const std::uint64_t height = is_flat ? 1 : given_height.value_or(1);
   constexpr std::uint64_t kMaxSide = std::numeric_limits<std::uint32_t>::max();
   if (width > kMaxSide || height > kMaxSide) {

@@ -71,6 +71,19 @@ TEST(PointColumns, LabelsThatAreNoneAreLeftOutAndMentioned) {
   EXPECT_EQ(out.warnings[0].reason, WarningReason::kLabelNotUsed);
 }
 
+TEST(PointColumns, AColumnOfPointsIsARow) {
+  PointTable table{.fields = {{"x"}}, .roles = {}, .width = 1, .height = 3, .column = {}};
+  table.roles.position = {0, 0, 0};
+  const std::vector<float> values{1, 2.5, 3};
+  table.column = [&](std::size_t) {
+    return Column{std::as_bytes(std::span(values)).data(), sizeof(float), ScalarType::kFloat32};
+  };
+  LabeledCloud out;
+  ASSERT_TRUE(read_points(table, {}, {}, {}, out).ok());
+  EXPECT_EQ(out.cloud.width, 3U);
+  EXPECT_EQ(out.cloud.height, 1U);
+}
+
 TEST(PointColumns, ATableWithoutPointsIsAskedForNoColumn) {
   PointTable table{.fields = {{"x"}}, .roles = {}, .width = 0, .height = 1, .column = {}};
   table.roles.position = {0, 0, 0};

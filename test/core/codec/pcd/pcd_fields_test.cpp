@@ -159,6 +159,8 @@ TEST(PcdFields, OddHeadersAndCommentsAreRead) {
   EXPECT_THAT(read.cloud.z, ElementsAre(3.0F, 6.0F));
   EXPECT_EQ(read.cloud.height, 1U);
   EXPECT_THAT(read.warnings, IsEmpty());
+  const std::string zero = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 0\nDATA ascii\n1 2 3\n4 5 6\n";
+  EXPECT_THAT(decode(zero).cloud.z, ElementsAre(3.0F, 6.0F)) << "without POINTS";
   std::string old_macintosh = "FIELDS x y z\rSIZE 4 4 4\rTYPE F F F\rPOINTS 1\rDATA ascii\r1 2 3\r";
   EXPECT_THAT(decode(old_macintosh).cloud.x, ElementsAre(1.0F));
 }
@@ -265,9 +267,9 @@ TEST(PcdView, FollowsFromShapeAndViewpoint) {
       {1, "VIEWPOINT 0.5 -1 1e3 1 0 0 0\n", View::world(0.5, -1, 1000)},
   };
   for (const ViewCase& c : cases) {
-    const std::string size = "WIDTH " + std::to_string(2 / c.height) + "\nHEIGHT " + std::to_string(c.height) + "\n";
+    const std::string size = "WIDTH " + std::to_string(4 / c.height) + "\nHEIGHT " + std::to_string(c.height) + "\n";
     const std::string file =
-        "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + size + c.viewpoint + "DATA ascii\n0 0 1\n0 0 1\n";
+        "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\n" + size + c.viewpoint + "DATA ascii\n0 0 1\n0 0 1\n0 0 1\n0 0 1\n";
     const LabeledCloud read = decode(file);
     EXPECT_EQ(read.cloud.view, c.expected) << file << read.view_rule;
     EXPECT_THAT(read.view_rule, testing::StartsWith(c.expected.kind == ViewKind::kCamera ? "CAMERA" : "WORLD"));
