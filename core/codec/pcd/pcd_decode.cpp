@@ -188,6 +188,7 @@ absl::Status BodyReader::read_binary(std::span<const std::byte> body) {
   if (header_.points > body.size() / point_bytes) {
     return fault("it has {} bytes, but POINTS {} of {} bytes each need more", body.size(), header_.points, point_bytes);
   }
+  warn_of_surplus_bytes(body.subspan(header_.points * point_bytes), point_bytes, out_.warnings);
   return read_table(make_table([&](std::size_t field) {
     std::size_t offset = 0;
     for (std::size_t i = 0; i < field; ++i) offset += header_.fields[i].bytes();

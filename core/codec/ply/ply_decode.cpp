@@ -93,8 +93,10 @@ class BinaryValues {
     rest_ = rest_.subspan(static_cast<std::size_t>(*length) * size_of(property.type));
     return true;
   }
-  /// Bytes behind the last element are ignored, because nothing tells what they are.
-  static std::uint64_t surplus() { return 0; }
+  /// Warns of bytes that follow the last element, if they are as many as a row of it has.
+  void warn_of_surplus(const PlyElement& last, std::vector<Warning>& warnings) const {
+    warn_of_surplus_bytes(rest_, last.least_row_bytes(), warnings);
+  }
   /// Describes the last fault.
   static std::string place() { return "the body is too short, or the length of a list is wrong"; }
 
@@ -144,11 +146,11 @@ class TextValues {
     }
     return true;
   }
-  /// How many rows follow the last element.
-  std::uint64_t surplus() {
+  /// Warns of rows that follow the last element.
+  void warn_of_surplus(const PlyElement& /*last*/, std::vector<Warning>& warnings) {
     std::uint64_t rows = 0;
     while (begin_row()) ++rows;
-    return rows;
+    warn_of_surplus_lines(rows, warnings);
   }
   /// Describes the last fault.
   std::string place() const {
@@ -241,7 +243,7 @@ void check_rest(const PlyHeader& header, Values& values, StopCheck& check, std::
       return;
     }
   }
-  warn_of_surplus_lines(values.surplus(), warnings);
+  values.warn_of_surplus(header.elements.back(), warnings);
 }
 
 /// Reads the body of a file, whose header is known.
@@ -272,6 +274,7 @@ class BodyReader {
       RETURN_IF_ERROR(read_element(header_.elements[i], values, check, i == header_.vertex ? &vertices : nullptr));
     }
     check_rest(header_, values, check, out_.warnings);
+    if (options_.keep_everything) warn_of_lists(vertex);
     const auto column = [&](std::size_t property) {
       Column values_of_property = vertices.rows.column(property);
       values_of_property.order = values.order();
@@ -285,6 +288,14 @@ class BodyReader {
     RETURN_IF_ERROR(check.status());
     leave_out(vertices.unreadable, table, out_.warnings);
     return read_points(table, {.stated = header_.stated_view}, options_, stop_, out_);
+  }
+
+  void warn_of_lists(const PlyElement& vertex) {
+    for (const PlyProperty& property : vertex.properties) {
+      if (!property.length_type) continue;
+      out_.warnings.push_back(
+          {WarningReason::kAttributeNotKept, fmt::format("the list {} is not kept", quoted(property.name))});
+    }
   }
 
   const PlyHeader& header_;

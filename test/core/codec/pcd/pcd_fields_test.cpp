@@ -181,6 +181,16 @@ TEST(PcdFields, WhatIsNotUsedIsMentioned) {
   EXPECT_EQ(reason_of(color), WarningReason::kColorNotUsed);
 }
 
+TEST(PcdFields, RowsOfBytesBeyondTheHeaderAreMentioned) {
+  std::string file = header("x y z", "4 4 4", "F F F", "1 1 1", 1, "binary");
+  for (int i = 0; i < 9; ++i) put(file, 1.0F);
+  const LabeledCloud read = decode(file);
+  EXPECT_EQ(read.cloud.size(), 1U);
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kRowsNotUsed);
+  EXPECT_THAT(read.warnings[0].message, testing::HasSubstr("24 bytes, which are 2 rows"));
+}
+
 TEST(PcdFields, TextOfIntegersMayExceedTheirType) {
   const std::string bytes =
       header("x y z r g b", "4 4 4 1 1 1", "F F F I I I", "1 1 1 1 1 1", 1, "ascii") + "0 0 0 200 0 9\n";

@@ -151,6 +151,30 @@ TEST(PlyRead, BinaryOfBothByteOrdersWithListsBeforeAndAmongTheVertices) {
   }
 }
 
+TEST(PlyRead, BytesBehindTheLastElementAreMentionedIfTheyAreRows) {
+  std::string file = "ply\nformat binary_little_endian 1.0\n" + kTwoVertices + "end_header\n";
+  for (int i = 0; i < 6; ++i) put(file, 1.0F, std::endian::little);
+  EXPECT_THAT(decode(file + "\n").warnings, IsEmpty());
+  EXPECT_THAT(decode(file + std::string(64, '\0')).warnings, IsEmpty());
+  const LabeledCloud read = decode(file + "twelve bytes");
+  EXPECT_THAT(read.cloud.x, ElementsAre(1, 1));
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kRowsNotUsed);
+  EXPECT_THAT(read.warnings[0].message, testing::HasSubstr("12 bytes, which are 1 rows"));
+}
+
+TEST(PlyRead, ListsOfVerticesAreMentioned) {
+  const std::string file =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property list uchar int track\nend_header\n1 2 3 2 7 8\n";
+  EXPECT_THAT(decode(file).warnings, IsEmpty()) << "nothing is written";
+  const auto read = decode_ply(bytes_of(file), DecodeLimits{}, {.keep_everything = true});
+  ASSERT_TRUE(read.ok());
+  ASSERT_EQ(read->warnings.size(), 1U);
+  EXPECT_EQ(read->warnings[0].reason, WarningReason::kAttributeNotKept);
+  EXPECT_THAT(read->warnings[0].message, testing::HasSubstr("'track'"));
+}
+
 TEST(PlyRead, ViewIsWorldWithoutSensorUnlessGiven) {
   const std::string file =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
