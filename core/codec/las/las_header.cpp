@@ -10,6 +10,7 @@
 #include "core/base/status_macros.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/scalar_type.hpp"
+#include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/las/las_fields.hpp"
 #include "core/codec/las/las_records.hpp"
@@ -19,8 +20,9 @@ namespace {
 
 // Offsets in the header.
 constexpr std::size_t kMajor = 24, kMinor = 25, kHeaderBytes = 94, kBodyOffset = 96, kRecords = 100, kFormat = 104,
-                      kRecordBytes = 105, kOldCount = 107, kScale = 131, kOffset = 155, kCount = 247;
-constexpr std::size_t kLeastHeader = 227, kLeastHeader14 = 375;
+                      kRecordBytes = 105, kOldCount = 107, kScale = 131, kOffset = 155, kWaveforms = 227,
+                      kExtended = 235, kExtendedCount = 243, kCount = 247;
+constexpr std::size_t kLeastHeader = 227, kLeastHeader13 = 235, kLeastHeader14 = 375;
 constexpr unsigned kNewestMinor = 4;
 
 template <typename... Args>
@@ -71,13 +73,29 @@ absl::Status read_transform(const HeaderBytes& bytes, LasHeader& header) {
   return absl::OkStatus();
 }
 
+bool has_fields_of(const HeaderBytes& bytes, unsigned minor, std::size_t least_header) {
+  return bytes.at<std::uint8_t>(kMinor) >= minor && bytes.at<std::uint16_t>(kHeaderBytes) >= least_header;
+}
+
 /// The number of points that the header promises. Version 1.4 has it a second time, with 64 bits.
 std::uint64_t promised_points(const HeaderBytes& bytes) {
   const std::uint64_t old = bytes.at<std::uint32_t>(kOldCount);
-  const bool has_wide = bytes.at<std::uint8_t>(kMinor) >= 4 && bytes.at<std::uint16_t>(kHeaderBytes) >= kLeastHeader14;
-  if (!has_wide) return old;
+  if (!has_fields_of(bytes, 4, kLeastHeader14)) return old;
   const auto wide = bytes.at<std::uint64_t>(kCount);
   return wide != 0 ? wide : old;
+}
+
+/// Where the points end at the latest: at the waveforms or the extended records that follow them, or with the file.
+std::size_t end_of_points(const HeaderBytes& bytes, std::size_t begin, std::size_t file_bytes) {
+  std::size_t end = file_bytes;
+  const auto end_at = [&](std::uint64_t offset) {
+    if (offset >= begin) end = static_cast<std::size_t>(std::min<std::uint64_t>(end, offset));
+  };
+  if (has_fields_of(bytes, 3, kLeastHeader13)) end_at(bytes.at<std::uint64_t>(kWaveforms));
+  if (has_fields_of(bytes, 4, kLeastHeader14) && bytes.at<std::uint32_t>(kExtendedCount) > 0) {
+    end_at(bytes.at<std::uint64_t>(kExtended));
+  }
+  return end;
 }
 
 absl::Status read_extent(std::span<const std::byte> file, std::uint64_t promised, const DecodeLimits& limits,
@@ -100,6 +118,26 @@ absl::Status read_extent(std::span<const std::byte> file, std::uint64_t promised
   return absl::OkStatus();
 }
 
+/// Looks at the bytes between the promised points and what follows them. A program that was stopped leaves a header
+/// that promises no points, and then all of them are read; else they are mentioned.
+absl::Status read_surplus(std::span<const std::byte> file, std::size_t end, const DecodeLimits& limits,
+                          LasHeader& header) {
+  const std::size_t promised_end = header.body_offset + header.points * header.record_bytes;
+  if (end <= promised_end) return absl::OkStatus();
+  std::vector<Warning> surplus;
+  warn_of_surplus_bytes(file.subspan(promised_end, end - promised_end), header.record_bytes, surplus);
+  if (surplus.empty()) return absl::OkStatus();
+  if (header.points > 0) {
+    header.warnings.push_back(std::move(surplus[0]));
+    return absl::OkStatus();
+  }
+  header.points = (end - header.body_offset) / header.record_bytes;
+  header.warnings.push_back(
+      {WarningReason::kRowsNotUsed,
+       fmt::format("the header promises no points, and the file holds {}, which are read", header.points)});
+  return check_points("LAS file: ", header.points, limits);
+}
+
 }  // namespace
 
 bool is_las(std::string_view file) { return file.starts_with("LASF"); }
@@ -120,6 +158,7 @@ absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, cons
   if (header_bytes > file.size()) return fault("it has {} bytes and needs {}", file.size(), header_bytes);
   RETURN_IF_ERROR(read_transform(bytes, header));
   RETURN_IF_ERROR(read_extent(file, promised_points(bytes), limits, header));
+  RETURN_IF_ERROR(read_surplus(file, end_of_points(bytes, header.body_offset, file.size()), limits, header));
   read_las_records(file.subspan(header_bytes, header.body_offset - header_bytes), bytes.at<std::uint32_t>(kRecords),
                    header);
   return header;

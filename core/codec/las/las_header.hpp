@@ -42,7 +42,7 @@ struct LasHeader {
   unsigned point_format = 0;
   std::size_t record_bytes = 0;
   std::size_t body_offset = 0;
-  std::size_t points = 0;  ///< that the file promises and holds
+  std::size_t points = 0;  ///< that the file promises and holds, or all that it holds if it promises none
   std::array<double, 3> scale{}, offset{};
   std::vector<LasExtra> extra;
   std::optional<View> stated_view;
@@ -55,7 +55,8 @@ struct LasHeader {
 bool is_las(std::string_view file);
 
 /// Parses the header of a LAS file of version 1.0 to 1.4. INVALID_ARGUMENT names what is wrong, or that the file is
-/// LAZ. Warns of points that the file promises and does not hold, and of damaged variable length records.
+/// LAZ. Warns of points that the file promises and does not hold, or holds and does not promise, and of damaged variable
+/// length records.
 absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

@@ -78,6 +78,37 @@ TEST(LasMalformed, AFileThatIsCutOffGivesItsWholePoints) {
   expect_fault(decode_las(bytes_of(bytes).first(227), {}).status(), "3 points are promised, but the file holds none");
 }
 
+TEST(LasMalformed, PointsThatTheHeaderDoesNotPromiseAreMentioned) {
+  LasFile file = las_file(2, 0, 20, 5);
+  file.points = 3;
+  const auto more = decode_las(bytes_of(file.bytes()), {});
+  ASSERT_TRUE(more.ok()) << more.status();
+  EXPECT_EQ(more->cloud.size(), 3U);
+  EXPECT_THAT(more->warnings.at(0).message, HasSubstr("40 bytes, which are 2 rows, are more than the header promises"));
+
+  file.points = 0;
+  const auto unclosed = decode_las(bytes_of(file.bytes()), {});
+  ASSERT_TRUE(unclosed.ok()) << unclosed.status();
+  EXPECT_EQ(unclosed->cloud.size(), 5U);
+  EXPECT_THAT(unclosed->warnings.at(0).message, HasSubstr("promises no points, and the file holds 5"));
+  expect_over_limit(decode_las(bytes_of(file.bytes()), {.max_points = 4}).status(), "max_points", "exceed the limit");
+}
+
+TEST(LasMalformed, ExtendedRecordsAndWaveformsAreNoPoints) {
+  for (const std::uint32_t points : {0U, 2U}) {
+    for (const unsigned minor : {3U, 4U}) {
+      std::string bytes = las_file(minor, minor == 3 ? 4U : 6U, 60, points).bytes();
+      if (minor == 3) put(bytes, 227, std::uint64_t{bytes.size()});
+      if (minor == 4) put(bytes, 235, std::uint64_t{bytes.size()});
+      if (minor == 4) put(bytes, 243, std::uint32_t{1});
+      const auto cloud = decode_las(bytes_of(bytes + std::string(600, 'e')), {});
+      ASSERT_TRUE(cloud.ok()) << cloud.status();
+      EXPECT_EQ(cloud->cloud.size(), points);
+      for (const Warning& warning : cloud->warnings) EXPECT_NE(warning.reason, WarningReason::kRowsNotUsed);
+    }
+  }
+}
+
 TEST(LasMalformed, RecordsThatDoNotFitAreMentioned) {
   const auto cloud = decode_las(bytes_of(with<std::uint32_t>(100, 1'000'000'000)), {});
   ASSERT_TRUE(cloud.ok()) << cloud.status();
