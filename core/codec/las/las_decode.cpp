@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "absl/strings/match.h"
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/limit_checks.hpp"
@@ -85,7 +86,9 @@ class LasTable {
   }
 
   static bool is_label(const LasExtra& extra) {
-    return extra.count == 1 && (extra.name == "segment" || extra.name == "label" || extra.name == "scalar_Label");
+    constexpr std::array<absl::string_view, 3> kNames{"segment", "label", "scalar_label"};
+    const auto has_name = [&extra](absl::string_view name) { return absl::EqualsIgnoreCase(extra.name, name); };
+    return extra.count == 1 && std::ranges::any_of(kNames, has_name);
   }
 
   void add_extra(const LasExtra& extra) {

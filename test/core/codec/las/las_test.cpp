@@ -119,6 +119,14 @@ TEST(Las, ExtraDimensionsAreAttributesAndASegmentIsTheLabel) {
   EXPECT_THAT(decode_cloud(bytes_of(file.bytes()), {})->attributes, IsEmpty());
 }
 
+TEST(Las, TheNameOfALabelIsOfAnyCase) {
+  LasFile file = las_file(2, 0, 22, 1);
+  file.records = las_record("LASF_Spec", 4, las_extra("Label", 3));
+  file.record_count = 1;
+  file.body[20] = 7;
+  EXPECT_THAT(decode(file.bytes()).label, ElementsAre(7));
+}
+
 TEST(Las, FarCoordinatesStayExact) {
   LasFile file = las_file(2, 0, 20, 2);
   std::string bytes = file.bytes();
