@@ -100,7 +100,9 @@ void FileTable::add_color(const FileContent& content, ColorForm form) {
 
 void FileTable::add_attribute(const Attribute& attribute) {
   std::string name = as_word(attribute.name);
-  if (has_meaning(name)) name = "input_" + name;
+  // Other colors come before the harmonics of a splat, which may keep their name beside them.
+  const bool is_shadowed = !rgb_.empty() && name.starts_with("f_dc_");
+  if (has_meaning(name) && !is_shadowed) name = "input_" + name;
   const std::string base = name;
   const auto is_taken = [&] { return std::ranges::find(columns_, name, &FileColumn::name) != columns_.end(); };
   for (int number = 2; is_taken(); ++number) name = fmt::format("{}_{}", base, number);

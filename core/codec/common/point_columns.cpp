@@ -219,13 +219,19 @@ Attribute copy_field(const Field& field, const Column& column, std::size_t point
   return attribute;
 }
 
+/// Whether the field is a color of which more is known than the three bytes that are made of it.
+bool is_harmonic(const FieldRoles& roles, std::size_t field) {
+  return roles.channels && roles.channel_kind == ChannelKind::kSphericalHarmonic &&
+         std::ranges::count(*roles.channels, field) > 0;
+}
+
 void keep_attributes(const PointTable& table, StopCheck& check, LabeledCloud& out) {
   constexpr std::string_view kPadding = "_";
   const std::vector<std::size_t> used = table.roles.fields();
   for (std::size_t i = 0; i < table.fields.size() && !check.stopped(); ++i) {
     const Field& field = table.fields[i];
     const bool is_label = table.roles.label == i;
-    const bool is_used = std::ranges::find(used, i) != used.end();
+    const bool is_used = std::ranges::find(used, i) != used.end() && !is_harmonic(table.roles, i);
     if ((is_used && !is_label) || field.name == kPadding || field.count == 0) continue;
     out.attributes.push_back(copy_field(field, table.column(i), table.points(), check));
     if (is_label) out.attributes.back().name = "input_label";

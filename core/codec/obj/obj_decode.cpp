@@ -35,10 +35,12 @@ bool parse_double(std::string_view word, double& value) {
   return parse_scalar(word, ScalarType::kFloat64, reinterpret_cast<std::byte*>(&value));
 }
 
-/// The vertices of a file: six numbers each, with color 0 if they have none.
+/// The vertices of a file: six numbers each, with color 0 if they have none. The normals, if they are wanted.
 class Vertices {
  public:
   static constexpr std::size_t kNumbers = 6;
+
+  explicit Vertices(bool keep_normals) : keep_normals_(keep_normals) {}
 
   absl::Status read(std::string_view file, const DecodeLimits& limits, StopCheck& check) {
     LineReader lines(file);
@@ -51,6 +53,8 @@ class Vertices {
         RETURN_IF_ERROR(add_vertex(line->number, rest));
         RETURN_IF_ERROR(check_points(kPrefix, size(), limits));
         RETURN_IF_ERROR(check_decoded_points(kPrefix, size(), kNumbers * sizeof(double), limits));
+      } else if (keyword == "vn") {
+        if (keep_normals_) add_normal(rest);
       } else if (!is_keyword(keyword)) {
         ++strange_;
         if (first_strange_.empty()) first_strange_ = fmt::format("line {}: {}", line->number, quoted(line->text));
@@ -66,7 +70,18 @@ class Vertices {
     return {reinterpret_cast<const std::byte*>(values_.data() + i), kNumbers * sizeof(double), ScalarType::kFloat64};
   }
 
+  /// Whether the normals are those of the vertices, one after the other, as programs write them for clouds.
+  bool has_normals() const { return keep_normals_ && size() > 0 && normals_.size() == 3 * size(); }
+  Column normal_column(std::size_t axis) const {
+    return {reinterpret_cast<const std::byte*>(normals_.data() + axis), 3 * sizeof(double), ScalarType::kFloat64};
+  }
+
   void warn(std::vector<Warning>& warnings) const {
+    if (!normals_.empty() && !has_normals()) {
+      warnings.push_back(
+          {WarningReason::kAttributeNotKept,
+           fmt::format("the normals are not kept: {} vertices have {} of them", size(), normals_.size() / 3)});
+    }
     if (strange_ > 0) {
       warnings.push_back({WarningReason::kRowsNotUsed,
                           fmt::format("{} lines are of no kind that OBJ has, and not used; the first is {}", strange_,
@@ -95,7 +110,15 @@ class Vertices {
     return absl::OkStatus();
   }
 
-  std::vector<double> values_;
+  /// Normals are not needed, so that one that is damaged is none.
+  void add_normal(std::string_view words) {
+    std::array<double, 3> normal{};
+    const bool is_read = std::ranges::all_of(normal, [&](double& n) { return parse_double(take_word(words), n); });
+    if (is_read) normals_.insert(normals_.end(), normal.begin(), normal.end());
+  }
+
+  bool keep_normals_;
+  std::vector<double> values_, normals_;
   std::size_t colored_ = 0, strange_ = 0;
   std::string first_strange_;
   bool is_continued_ = false;  // the last line ends in a backslash
@@ -124,7 +147,7 @@ absl::StatusOr<LabeledCloud> decode_obj(std::span<const std::byte> bytes, const 
                                         const ReadOptions& options, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes(kPrefix, bytes.size(), limits));
   StopCheck check(stop);
-  Vertices vertices;
+  Vertices vertices(options.keep_everything);
   RETURN_IF_ERROR(vertices.read(without_byte_order_mark(as_text(bytes)), limits, check));
   LabeledCloud out;
   vertices.warn(out.warnings);
@@ -137,7 +160,13 @@ absl::StatusOr<LabeledCloud> decode_obj(std::span<const std::byte> bytes, const 
   }
   table.width = static_cast<std::uint32_t>(vertices.size());
   table.height = 1;
-  table.column = [&vertices](std::size_t i) { return vertices.column(i); };
+  const std::size_t normals = table.fields.size();
+  if (vertices.has_normals()) {
+    for (const std::string_view name : {"nx", "ny", "nz"}) table.fields.push_back({name, ScalarType::kFloat64});
+  }
+  table.column = [&vertices, normals](std::size_t i) {
+    return i < normals ? vertices.column(i) : vertices.normal_column(i - normals);
+  };
   RETURN_IF_ERROR(read_points(table, {}, options, stop, out));
   return out;
 }

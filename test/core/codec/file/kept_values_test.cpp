@@ -76,6 +76,18 @@ TEST(KeptValues, BigEndianPlyIsTurned) {
   EXPECT_THAT(cloud.attributes[0].values, ElementsAre(std::byte{2}, std::byte{1}));
 }
 
+TEST(KeptValues, HarmonicsOfSplatsGoOutAgainBesideTheirColors) {
+  const LabeledCloud splats = decode(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float f_dc_0\nproperty float f_dc_1\nproperty float f_dc_2\nend_header\n1 2 3 0.25 -9 0.5\n");
+  ASSERT_EQ(splats.attributes.size(), 3U);
+  const std::string file =
+      encode_ply(FileContent{.cloud = splats.cloud, .label = {}, .attributes = splats.attributes}, PlyEncoding::kAscii);
+  EXPECT_THAT(file, HasSubstr("property float f_dc_1\n"));
+  EXPECT_THAT(file, HasSubstr(" 0.25 -9 0.5"));
+  EXPECT_EQ(decode(file).cloud.rgb, splats.cloud.rgb);
+}
+
 TEST(KeptValues, NumbersOfTextThatExceedTheirTypeAreKept) {
   const LabeledCloud cloud = decode(
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/codec/obj/obj.hpp"
 
+#include <array>
+#include <cstring>
+
 #include "segserve/codec/cloud_file.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
@@ -22,6 +25,25 @@ TEST(Obj, VerticesAndTheirColorsAreRead) {
   EXPECT_THAT(cloud->cloud.z, ElementsAre(3, 6));
   EXPECT_THAT(cloud->cloud.rgb, ElementsAre(pack_rgb(255, 128, 0), pack_rgb(0, 0, 255)));
   EXPECT_TRUE(cloud->warnings.empty());
+}
+
+TEST(Obj, NormalsAreKeptIfEachVertexHasOne) {
+  const auto kept = [](std::string_view file) { return decode_obj(bytes_of(file), {}, {.keep_everything = true}); };
+  const auto cloud = kept("v 1 2 3\nvn 0 0 1\nv 4 5 6\nvn 0 1 0\n");
+  ASSERT_TRUE(cloud.ok()) << cloud.status();
+  ASSERT_EQ(cloud->attributes.size(), 3U);
+  EXPECT_EQ(cloud->attributes[1].name, "ny");
+  std::array<double, 2> ny{};
+  ASSERT_EQ(cloud->attributes[1].values.size(), sizeof ny);
+  std::memcpy(ny.data(), cloud->attributes[1].values.data(), sizeof ny);
+  EXPECT_THAT(ny, ElementsAre(0, 1));
+
+  const auto mesh = kept("v 1 2 3\nv 4 5 6\nvn 0 1 0\n");
+  ASSERT_TRUE(mesh.ok()) << mesh.status();
+  EXPECT_TRUE(mesh->attributes.empty());
+  ASSERT_EQ(mesh->warnings.size(), 1U);
+  EXPECT_EQ(mesh->warnings[0].reason, WarningReason::kAttributeNotKept);
+  EXPECT_THAT(mesh->warnings[0].message, HasSubstr("2 vertices have 1 of them"));
 }
 
 TEST(Obj, WhatIsNotUsedIsMentioned) {
