@@ -105,6 +105,29 @@ double channel_scale(const ChannelRange& range, bool are_floats) {
   return range.multiples_of_256 ? 1.0 / 256 : 1.0 / 257;
 }
 
+/// Whether the values are -1 to 1, with 0 as half intensity. A little below 0 is a slip.
+bool are_signed_units(const ChannelRange& range, bool are_floats) {
+  constexpr double kLeast = -1.01, kSlip = -0.1, kMost = 1.01;
+  return (are_floats || !range.is_whole) && range.smallest >= kLeast && range.smallest < kSlip &&
+         range.largest <= kMost;
+}
+
+void warn_of_range(const ChannelRange& range, double full, std::size_t values, std::size_t clamped,
+                   std::vector<Warning>& warnings) {
+  constexpr double kDark = 10;
+  if (clamped > values / 100) {
+    warnings.push_back({WarningReason::kColorNotUsed,
+                        fmt::format("{} of {} color values are beyond 0 to {}, which is taken as full intensity, and "
+                                    "are clamped; they reach from {:.4g} to {:.4g}",
+                                    clamped, values, full, range.smallest, range.largest)});
+  } else if (full == 255 && !range.is_whole && range.largest < kDark) {
+    warnings.push_back({WarningReason::kColorNotUsed,
+                        fmt::format("the colors reach only {:.4g} of 255, and are nearly black; 0 to 1 would be "
+                                    "another range",
+                                    range.largest)});
+  }
+}
+
 /// Rounds to 0 to 255. NaN becomes 0.
 std::uint32_t to_channel(double value) {
   if (!(value > 0)) return 0;  // The comparison is false for NaN.
@@ -124,7 +147,7 @@ bool is_byte(const Column& column) { return size_of(column.type) == 1; }
 /// `claimed` is the type that the channels have by what the file says, if it is the same for all. As text, their
 /// numbers have another type.
 void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, std::optional<ScalarType> claimed,
-                   StopCheck& check, std::vector<std::uint32_t>& out) {
+                   StopCheck& check, std::vector<std::uint32_t>& out, std::vector<Warning>& warnings) {
   constexpr std::array<unsigned, 3> kShifts{16, 8, 0};
   if (kind == ChannelKind::kIntensity && std::ranges::all_of(columns, is_byte)) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -135,8 +158,8 @@ void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, std::
   }
   constexpr double kY = 0.28209479177387814;  // sqrt(1 / (4 pi))
   double scale = 255 * kY, offset = 255 * 0.5;
+  ChannelRange range;
   if (kind == ChannelKind::kIntensity) {
-    ChannelRange range;
     for (const Column& column : columns) extend(range, column, out.size(), check);
     if (claimed == ScalarType::kInt8 && range.is_whole && range.smallest < 0 && range.largest <= 127) {
       for (std::size_t i = 0; i < 3; ++i) {
@@ -145,16 +168,25 @@ void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, std::
       }
       return;
     }
-    scale = channel_scale(range, claimed && is_float(*claimed));
-    offset = 0;
+    const bool are_floats = claimed && is_float(*claimed);
+    const bool are_signed = are_signed_units(range, are_floats);
+    scale = are_signed ? 255 * 0.5 : channel_scale(range, are_floats);
+    offset = are_signed ? 255 * 0.5 : 0;
   } else if (kind == ChannelKind::kSixteenBits) {
     scale = 1.0 / 257;
     offset = 0;
   }
+  constexpr double kSlip = 2;
+  std::size_t values = 0, clamped = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    read_channel(columns[i], kShifts[i], check, out,
-                 [scale, offset](auto value) { return to_channel(static_cast<double>(value) * scale + offset); });
+    read_channel(columns[i], kShifts[i], check, out, [scale, offset, &values, &clamped](auto value) {
+      const double intensity = static_cast<double>(value) * scale + offset;
+      values += std::isfinite(intensity) ? 1 : 0;
+      clamped += intensity < -kSlip || intensity > 255 + kSlip ? 1 : 0;
+      return to_channel(intensity);
+    });
   }
+  if (kind == ChannelKind::kIntensity) warn_of_range(range, 255 / scale, values, clamped, warnings);
 }
 
 /// The label, or nullopt if it is not a 32-bit integer. Negative labels and NaN become 0, because other programs mark
@@ -187,7 +219,7 @@ void read_label(const Column& column, std::size_t points, StopCheck& check, Labe
   out.warnings.push_back({WarningReason::kLabelNotUsed, fault});
 }
 
-void read_color(const PointTable& table, StopCheck& check, Cloud& cloud) {
+void read_color(const PointTable& table, StopCheck& check, Cloud& cloud, std::vector<Warning>& warnings) {
   const FieldRoles& roles = table.roles;
   if (roles.packed) {
     read_packed(table.column(*roles.packed), check, cloud.rgb);
@@ -196,7 +228,7 @@ void read_color(const PointTable& table, StopCheck& check, Cloud& cloud) {
     std::optional<ScalarType> claimed = table.fields[red].type;
     if (table.fields[green].type != *claimed || table.fields[blue].type != *claimed) claimed.reset();
     read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, claimed, check,
-                  cloud.rgb);
+                  cloud.rgb, warnings);
   }
 }
 
@@ -271,7 +303,7 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   out.cloud.width = table.width;
   out.cloud.height = table.height;
   StopCheck check(stop);
-  read_color(table, check, out.cloud);
+  read_color(table, check, out.cloud, out.warnings);
   if (roles.label && !check.stopped()) read_label(table.column(*roles.label), table.points(), check, out);
   if (options.keep_everything) keep_attributes(table, check, out);
   const auto [x, y, z] = roles.position;

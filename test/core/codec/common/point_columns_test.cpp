@@ -9,6 +9,7 @@ namespace segserve::codec {
 namespace {
 
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 /// Reads points at the origin whose red channel has these values; the other two are 0.
 template <typename T>
@@ -48,6 +49,26 @@ TEST(PointColumns, TheValuesTellWhatFullIntensityIs) {
 
 TEST(PointColumns, SignedBytesAreTheSameEightBits) {
   EXPECT_THAT(red_of<std::int8_t>({0, 127, -56, -1}, ScalarType::kInt8), ElementsAre(0, 127, 200, 255));
+}
+
+TEST(PointColumns, FloatsOnBothSidesOfZeroHaveItAsHalfIntensity) {
+  EXPECT_THAT(red_of<float>({-1, 0, 0.5, 1}, ScalarType::kFloat32), ElementsAre(0, 128, 191, 255));
+  EXPECT_THAT(red_of<float>({-0.01F, 0, 0.5, 1}, ScalarType::kFloat32), ElementsAre(0, 0, 128, 255)) << "a slip";
+}
+
+TEST(PointColumns, ColorsOfAnUnknownRangeAreMentioned) {
+  const auto message_of = [](const LabeledCloud& read) {
+    return read.warnings.size() == 1 && read.warnings[0].reason == WarningReason::kColorNotUsed
+               ? read.warnings[0].message
+               : "";
+  };
+  EXPECT_THAT(message_of(with_red<std::uint16_t>({0, 800, 700}, ScalarType::kUint16)),
+              HasSubstr("2 of 9 color values are beyond 0 to 255"));
+  EXPECT_THAT(message_of(with_red<double>({-128, 3, 127}, ScalarType::kFloat64)), HasSubstr("from -128 to 127"));
+  EXPECT_THAT(message_of(with_red<float>({0, 0.3F, 1.7F}, ScalarType::kFloat32)), HasSubstr("reach only 1.7 of 255"));
+  EXPECT_EQ(with_red<double>({0, 5, 256}, ScalarType::kFloat64).warnings.size(), 0U);
+  EXPECT_EQ(with_red<float>({NAN, -1, 1}, ScalarType::kFloat32).warnings.size(), 0U);
+  EXPECT_EQ(with_red<float>({-3, 9}, ScalarType::kFloat32, ChannelKind::kSphericalHarmonic).warnings.size(), 0U);
 }
 
 TEST(PointColumns, SphericalHarmonicsOfSplatsAreColors) {
