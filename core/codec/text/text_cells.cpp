@@ -2,6 +2,8 @@
 #include "core/codec/text/text_cells.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <string>
 
 #include "core/codec/common/text_parsing.hpp"
@@ -18,13 +20,42 @@ std::string_view trimmed(std::string_view text) {
 
 /// Where the cell at the beginning of `text` ends, so that a separator within quotation marks does not count.
 std::size_t cell_end(std::string_view text, char separator) {
-  const std::size_t begin = std::min(text.find_first_not_of(" \t"), text.size());
+  const std::size_t begin = std::min(text.find_first_not_of(separator == '\t' ? " " : " \t"), text.size());
   std::size_t from = begin;
   if (text.substr(begin).starts_with('"')) {
     const std::size_t quote = text.find('"', begin + 1);
     from = quote == std::string_view::npos ? text.size() : quote;
   }
   return std::min(text.find(separator, from), text.size());
+}
+
+char character_of(Separator separator) {
+  switch (separator) {
+    case Separator::kSpace:
+      break;
+    case Separator::kTab:
+      return '\t';
+    case Separator::kComma:
+      return ',';
+    case Separator::kSemicolon:
+      return ';';
+    case Separator::kBar:
+      return '|';
+  }
+  return ' ';
+}
+
+/// What programs write for a number that is unknown.
+bool is_unknown(std::string_view cell) {
+  constexpr std::array<std::string_view, 11> kWords{"",     "NA",   "N/A",  "#N/A", "<NA>", "null",
+                                                    "NULL", "Null", "None", "none", "#NUM!"};
+  return std::ranges::find(kWords, cell) != kWords.end();
+}
+
+std::string with_decimal_point(std::string_view word) {
+  std::string text(word);
+  std::ranges::replace(text, ',', '.');
+  return text;
 }
 
 std::string_view without_quotes(std::string_view cell) {
@@ -43,13 +74,22 @@ std::optional<double> parse_number(std::string_view word) {
 bool has_decimal_comma(std::string_view word) {
   constexpr std::size_t kLongest = 64;
   if (word.size() > kLongest || word.ends_with(',') || std::ranges::count(word, ',') != 1) return false;
-  std::string with_point(word);
-  std::ranges::replace(with_point, ',', '.');
-  return parse_number(with_point).has_value();
+  return parse_number(with_decimal_point(word)).has_value();
+}
+
+std::optional<double> parse_cell(std::string_view cell, Separator separator) {
+  if (const auto number = parse_number(cell)) return number;
+  if (is_unknown(cell)) return std::numeric_limits<double>::quiet_NaN();
+  if (separator == Separator::kComma || !has_decimal_comma(cell)) return std::nullopt;
+  return parse_number(with_decimal_point(cell));
 }
 
 Separator separator_of(std::string_view line) {
   if (line.find(';') != std::string_view::npos) return Separator::kSemicolon;
+  const std::size_t bar = line.find('|');
+  if (bar != std::string_view::npos && parse_cell(trimmed(line.substr(0, bar)), Separator::kBar)) {
+    return Separator::kBar;
+  }
   if (line.find(',') == std::string_view::npos) return Separator::kSpace;
   std::string_view rest = line;
   for (int i = 0; i < 3; ++i) {
@@ -66,17 +106,24 @@ std::optional<std::string_view> CellReader::next() {
     if (word.empty()) return std::nullopt;
     return without_quotes(word);
   }
-  if (is_blank(rest_)) return std::nullopt;
-  const std::size_t end = cell_end(rest_, separator_ == Separator::kComma ? ',' : ';');
+  if (separator_ == Separator::kTab ? rest_.find_first_not_of(" \r") == std::string_view::npos : is_blank(rest_)) {
+    return std::nullopt;
+  }
+  const std::size_t end = cell_end(rest_, character_of(separator_));
+  ended_with_separator_ = end < rest_.size();
   const std::string_view cell = trimmed(rest_.substr(0, end));
   rest_.remove_prefix(std::min(end + 1, rest_.size()));
   return without_quotes(cell);
 }
 
-std::vector<std::string_view> split_cells(std::string_view line, Separator separator) {
+std::vector<std::string_view> split_cells(std::string_view line, Separator separator, std::size_t most) {
   std::vector<std::string_view> cells;
   CellReader reader(line, separator);
-  while (const auto cell = reader.next()) cells.push_back(*cell);
+  while (cells.size() < most) {
+    const auto cell = reader.next();
+    if (!cell) break;
+    cells.push_back(*cell);
+  }
   return cells;
 }
 

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "core/base/status_macros.hpp"
 #include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/text/column_names.hpp"
 #include "core/codec/text/text_table.hpp"
 #include "core/codec/view/view_choice.hpp"
 
@@ -20,22 +22,67 @@ absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
   return absl::InvalidArgumentError("text table: " + fmt::format(format, std::forward<Args>(args)...));
 }
 
-/// The separator of a line of names, which may have spaces in them.
-Separator name_separator(std::string_view line) {
-  if (line.find(';') != std::string_view::npos) return Separator::kSemicolon;
-  return line.find(',') != std::string_view::npos ? Separator::kComma : Separator::kSpace;
+/// Whether a line without names above it is a row: its first cell is a number, or cells are left out between separators
+/// and all others are numbers.
+bool is_row_without_names(std::string_view line) {
+  const Separator separator = separator_of(line);
+  CellReader cells(line, separator);
+  auto cell = cells.next();
+  if (!cell) return false;
+  if (!cell->empty() || separator == Separator::kSpace) return parse_number(*cell) || has_decimal_comma(*cell);
+  std::size_t count = 0, numbers = 0;
+  for (; cell && count <= kMostHeaderFields; cell = cells.next(), ++count) {
+    if (!parse_cell(*cell, separator)) return false;
+    if (!cell->empty()) ++numbers;
+  }
+  return count >= 3 && numbers > 0;
 }
 
-bool is_one_of(std::string_view name, char lower) {
-  return name.size() == 1 && (name[0] == lower || name[0] == lower - 'a' + 'A');
+/// How many numbers a line has among its first cells.
+std::size_t numbers_in(std::string_view line) {
+  const Separator separator = separator_of(line);
+  const auto cells = split_cells(line, separator, kMostHeaderFields);
+  return static_cast<std::size_t>(std::ranges::count_if(
+      cells, [separator](std::string_view cell) { return !cell.empty() && parse_cell(cell, separator); }));
 }
 
-std::vector<std::string_view> names_in(std::string_view line) { return split_cells(line, name_separator(line)); }
+/// Whether Excel is told here what separates cells.
+bool is_separator_line(std::string_view line) { return line.starts_with("sep=") && line.size() <= 6; }
 
-/// Whether the first cell of a line is a number, perhaps with a decimal comma.
-bool begins_with_number(std::string_view line) {
-  const auto cell = CellReader(line, separator_of(line)).next();
-  return cell && (parse_number(*cell) || has_decimal_comma(*cell));
+/// How a line is read as a row of columns with names.
+struct NamedRow {
+  Separator separator = Separator::kSpace;
+  std::size_t before = 0;  ///< cells before the first column that has a name
+};
+
+/// The cells of a row, with an empty one behind a separator at its end if it is one short of `wanted`.
+std::vector<std::string_view> row_cells(std::string_view line, Separator separator, std::size_t wanted) {
+  std::vector<std::string_view> cells;
+  CellReader reader(line, separator);
+  while (cells.size() < wanted + 2) {
+    const auto cell = reader.next();
+    if (!cell) break;
+    cells.push_back(*cell);
+  }
+  if (cells.size() + 1 == wanted && reader.ended_with_separator()) cells.emplace_back();
+  return cells;
+}
+
+/// Nullopt unless the line has as many cells as there are names, or one more in front, and its position is numbers or
+/// left out.
+std::optional<NamedRow> named_row(const ColumnNames& names, std::string_view line) {
+  const auto position = names.position();
+  const std::size_t wanted = names.names.size();
+  if (!position) return std::nullopt;
+  for (const Separator separator : {names.separator, separator_of(line)}) {
+    const auto cells = row_cells(line, separator, wanted);
+    if (cells.size() != wanted && cells.size() != wanted + 1) continue;
+    const std::size_t before = cells.size() - wanted;
+    const bool is_row = std::ranges::all_of(
+        *position, [&](std::size_t axis) { return parse_cell(cells[before + axis], separator).has_value(); });
+    if (is_row) return NamedRow{separator, before};
+  }
+  return std::nullopt;
 }
 
 bool is_count(std::string_view line) {
@@ -43,24 +90,31 @@ bool is_count(std::string_view line) {
   return parse_count(word) && is_blank(line);
 }
 
+/// Whether a line is one of the header of a PCD file that could be taken for names.
+bool is_pcd_entry(std::string_view line) {
+  constexpr std::array<std::string_view, 6> kEntries{"FIELDS", "COLUMNS", "SIZE", "TYPE", "COUNT", "VIEWPOINT"};
+  return std::ranges::find(kEntries, take_word(line)) != kEntries.end();
+}
+
 /// Walks over the lines above the first row.
 class StartFinder {
  public:
-  explicit StartFinder(std::string_view file) : lines_(file) {}
+  explicit StartFinder(std::string_view file) : file_(file), lines_(file) {}
 
   absl::StatusOr<TextStart> run() {
     std::size_t offset = 0;
     while (const auto line = lines_.next()) {
-      if (is_blank(line->text)) {
+      if (is_blank(line->text) || (names_.names.empty() && is_separator_line(line->text))) {
       } else if (const auto comment = text_comment(line->text)) {
         take_comment(*comment);
       } else if (is_count(line->text)) {
         if (start_.count) return fault("it begins with two counts, as PTX does; save it as PTS or PLY");
         start_.count = parse_count(split_words(line->text)[0]);
-      } else if (begins_with_number(line->text)) {
+      } else if (named_row(names_, line->text) || is_row_without_names(line->text)) {
         start_.offset = offset;
         start_.line = line->number;
         RETURN_IF_ERROR(take_row(line->text));
+        start_.names = std::move(names_.names);
         return std::move(start_);
       } else {
         RETURN_IF_ERROR(take_names(*line));
@@ -80,37 +134,55 @@ class StartFinder {
   }
 
   absl::Status take_names(const LineReader::Line& line) {
-    const auto names = names_in(line.text);
-    if (!start_.names.empty() || !names_position(names)) {
-      return fault("line {} is neither numbers nor the names of columns, x, y and z among them: {}", line.number,
-                   quoted(line.text));
+    ColumnNames names = column_names(line.text);
+    if (!names_.names.empty() || !names.position()) {
+      return fault(
+          "line {} is neither numbers nor the names of columns, x, y and z among them: {}; names that are "
+          "known are {}",
+          line.number, quoted(line.text), kKnownPositions);
     }
-    if (names.size() > kMostHeaderFields) return fault("it has more than {} columns", kMostHeaderFields);
-    start_.names.assign(names.begin(), names.end());
+    if (names.names.size() > kMostHeaderFields) return too_many_columns();
+    names_ = std::move(names);
     return absl::OkStatus();
   }
 
   absl::Status take_row(std::string_view row) {
-    start_.separator = separator_of(row);
-    CellReader cells(row, start_.separator);
-    while (cells.next()) {
-      if (++start_.columns > kMostHeaderFields) return fault("it has more than {} columns", kMostHeaderFields);
+    const bool has_names = !names_.names.empty();
+    const std::size_t columns = has_names ? 0 : split_cells(row, separator_of(row), kMostHeaderFields + 1).size();
+    if (columns > kMostHeaderFields) return too_many_columns();
+    if (!has_names && comment_.size() < kMostHeaderBytes) {
+      ColumnNames names = column_names(comment_);
+      if (names.names.size() == columns && names.position()) names_ = std::move(names);
     }
-    if (start_.names.empty() && comment_.size() < kMostHeaderBytes) {
-      const auto names = names_in(comment_);
-      if (names.size() == start_.columns && names_position(names)) start_.names.assign(names.begin(), names.end());
-    }
-    if (start_.names.empty()) {
-      if (start_.columns < 3)
-        return fault("line {} has {} columns; x, y and z are needed", start_.line, start_.columns);
-      return absl::OkStatus();
-    }
-    start_.columns = start_.names.size();
-    return absl::OkStatus();
+    const auto named = named_row(names_, row);
+    start_.separator = named ? named->separator : separator_of(row);
+    if (named && named->before > 0 && are_row_names(row)) names_.names.insert(names_.names.begin(), "");
+    start_.columns = names_.names.empty() ? columns : names_.names.size();
+    if (start_.columns >= 3) return absl::OkStatus();
+    return fault("line {} has {} columns; x, y and z are needed", start_.line, start_.columns);
   }
 
+  /// Whether the first cell of a row with one cell more than there are names tells rows apart, as programs write it: a
+  /// word in quotation marks, or an integer that is another one in the next row.
+  bool are_row_names(std::string_view row) const {
+    if (std::string_view words = row; take_word(words).starts_with('"')) return true;
+    const auto first_cell = [this](std::string_view line) {
+      return CellReader(line, start_.separator).next().value_or(std::string_view());
+    };
+    const auto first = parse_count(first_cell(row));
+    LineReader rows(file_.substr(start_.offset));
+    rows.next();
+    const auto line = rows.next();
+    const auto second = line ? parse_count(first_cell(line->text)) : std::nullopt;
+    return first && (second ? *first != *second : !line);
+  }
+
+  static absl::Status too_many_columns() { return fault("it has more than {} columns", kMostHeaderFields); }
+
+  std::string_view file_;
   LineReader lines_;
   TextStart start_;
+  ColumnNames names_;
   std::string_view comment_;
 };
 
@@ -126,30 +198,27 @@ std::optional<std::string_view> text_comment(std::string_view line) {
   return text == std::string_view::npos ? std::string_view() : line.substr(text);
 }
 
-bool names_position(const std::vector<std::string_view>& names) {
-  return std::ranges::all_of(std::string_view("xyz"), [&names](char axis) {
-    return std::ranges::any_of(names, [axis](std::string_view name) { return is_one_of(name, axis); });
-  });
-}
-
 absl::StatusOr<TextStart> find_text_start(std::string_view file) { return StartFinder(file).run(); }
 
 bool is_text_table(std::string_view file) {
   constexpr std::size_t kEnough = std::size_t{1} << 16U;
   LineReader lines(without_byte_order_mark(file.substr(0, kEnough)));
-  bool has_count = false;
+  bool has_count = false, has_names = false;
   while (const auto line = lines.next()) {
-    if (is_blank(line->text) || text_comment(line->text)) continue;
+    if (is_blank(line->text) || text_comment(line->text) || is_separator_line(line->text)) continue;
+    const std::string_view begin = line->text.substr(0, kMostHeaderFields);
+    if (has_names) return numbers_in(begin) >= 3;
     if (is_count(line->text)) {
       if (std::exchange(has_count, true)) return true;  // PTX, which find_text_start names
       continue;
     }
-    if (begins_with_number(line->text)) {
-      return split_cells(line->text.substr(0, kMostHeaderFields), separator_of(line->text)).size() >= 3;
-    }
-    const auto names = names_in(line->text.substr(0, kMostHeaderFields));
-    const bool is_pcd = names.size() == 1 || line->text.starts_with("FIELDS") || line->text.starts_with("COLUMNS");
-    return !is_pcd && names_position(names);
+    if (is_row_without_names(begin)) return split_cells(begin, separator_of(begin)).size() >= 3;
+    const ColumnNames names = column_names(begin);
+    if (names.names.size() == 1 || is_pcd_entry(begin)) return false;
+    if (names.position()) return true;
+    // Names that find_text_start does not know are those of a table if numbers follow.
+    if (names.names.size() < 3) return false;
+    has_names = true;
   }
   return false;
 }

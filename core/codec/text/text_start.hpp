@@ -28,9 +28,6 @@ struct TextStart {
 /// The comment in a line without its mark; nullopt if the line is none.
 std::optional<std::string_view> text_comment(std::string_view line);
 
-/// Whether x, y and z are among the names, in any case.
-bool names_position(const std::vector<std::string_view>& names);
-
 /// Finds the first row. INVALID_ARGUMENT if there is none, or if the lines above it are none of those of a table.
 absl::StatusOr<TextStart> find_text_start(std::string_view file);
 

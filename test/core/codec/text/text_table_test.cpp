@@ -102,15 +102,123 @@ TEST(TextTable, ColumnsOfWordsAreMentioned) {
   EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept);
 }
 
+TEST(TextTable, LabelsThatAreWordsAreMentioned) {
+  const LabeledCloud cloud = read("x,y,z,label\n1,2,3,table\n4,5,6,7\n");
+  EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4));
+  EXPECT_THAT(cloud.label, IsEmpty());
+  EXPECT_THAT(cloud.attributes, IsEmpty());
+  ASSERT_EQ(cloud.warnings.size(), 1U);
+  EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kLabelNotUsed);
+  EXPECT_EQ(cloud.warnings[0].message, "the labels are not used: line 2: 'table' is not a value of 'label'");
+}
+
+TEST(TextTable, LabelsThatAreMissingAreZero) {
+  const LabeledCloud cloud = read("x,y,z,label\n1,2,3,\n4,5,6,nan\n7,8,9,2\n7,8,9,None\n");
+  EXPECT_THAT(cloud.label, ElementsAre(0, 0, 2, 0));
+  EXPECT_THAT(cloud.warnings, IsEmpty());
+}
+
+TEST(TextTable, EmptyCellsAreUnknown) {
+  for (const std::string_view file :
+       {"x,y,z,r,g,b\n,,,150,110,70\n1,,3,150,110,70\n", ",,,150,110,70\n1,,3,150,110,70\n",
+        "x\ty\tz\tr\tg\tb\n\t\t\t150\t110\t70\n1\t\t3\t150\t110\t70\n",
+        "x;y;z;r;g;b\nNA;NA;NA;150;110;70\n1;null;3;150;110;70\n"}) {
+    const LabeledCloud cloud = read(file);
+    ASSERT_EQ(cloud.cloud.size(), 2U) << file;
+    EXPECT_TRUE(std::isnan(cloud.cloud.x[0]) && std::isnan(cloud.cloud.y[1])) << file;
+    EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(150, 110, 70), pack_rgb(150, 110, 70))) << file;
+    EXPECT_THAT(cloud.warnings, IsEmpty()) << file;
+  }
+  EXPECT_EQ(attributes_of(read("x,y,z,intensity\n1,2,3,\n4,5,6,7\n")).size(), 1U);
+}
+
+TEST(TextTable, TheFirstColumnMayHaveWords) {
+  for (const std::string_view file :
+       {"name,x,y,z\ncup,1,2,3\ncup,4,5,6\n", "time,x,y,z\n2024-01-01 10:00:00.1,1,2,3\n2024-01-01 10:00:00.2,4,5,6\n",
+        "id x y z\np0 1 2 3\np1 4 5 6\n", "name\tx\ty\tz\na cup\t1\t2\t3\na cup\t4\t5\t6\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << file;
+    EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << file;
+    ASSERT_EQ(cloud.warnings.size(), 1U) << file;
+    EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept) << file;
+  }
+}
+
+TEST(TextTable, RowsMayHaveNamesInFront) {
+  for (const std::string_view file : {" x y z r g b\n0 1 2 3 9 8 7\n1 4 5 6 9 8 7\n",
+                                      "\"x\" \"y\" \"z\" \"r\" \"g\" \"b\"\n\"1\" 1 2 3 9 8 7\n\"2\" 4 5 6 9 8 7\n",
+                                      "x,y,z,r,g,b\n0,1,2,3,9,8,7\n1,4,5,6,9,8,7\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << file;
+    EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(9, 8, 7), pack_rgb(9, 8, 7))) << file;
+  }
+}
+
+TEST(TextTable, NamesOfOtherProgramsAreKnown) {
+  for (const std::string_view file :
+       {"X\tY\tZ\tR\tG\tB\tReturn Number\n1\t2\t3\t9\t8\t7\t1\n",
+        "\"RGB:0\",\"RGB:1\",\"RGB:2\",\"Points:0\",\"Points:1\",\"Points:2\"\n9,8,7,1,2,3\n",
+        "Points_m_XYZ:0,Points_m_XYZ:1,Points_m_XYZ:2,r,g,b\n1,2,3,9,8,7\n", "X [m],Y [m],Z [m],R,G,B\n1,2,3,9,8,7\n",
+        "X [m] Y [m] Z [m] R G B\n1 2 3 9 8 7\n", "x(m),y(m),z(m),r,g,b\n1,2,3,9,8,7\n",
+        "Easting,Northing,Elevation,Red,Green,Blue\n1,2,3,9,8,7\n", "sep=;\nx;y;z;r;g;b\n1;2;3;9;8;7\n",
+        "x|y|z|r|g|b\n1|2|3|9|8|7\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(1)) << file;
+    EXPECT_THAT(cloud.cloud.z, ElementsAre(3)) << file;
+    EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(9, 8, 7))) << file;
+    EXPECT_THAT(cloud.warnings, IsEmpty()) << file;
+  }
+  EXPECT_TRUE(is_text_table("a,b,c\n1,2,3\n"));  // so that the fault is about the names
+  EXPECT_FALSE(is_text_table("some,words,here\nand,no,number\n"));
+  EXPECT_FALSE(is_text_table("SIZE 4 4 4\nCOUNT 1 1 1\n"));
+}
+
+TEST(TextTable, DecimalCommasAreReadUnlessCommasSeparate) {
+  for (const std::string_view file : {"X;Y;Z;kind\n1,5;-2,5;3,0e1;a,b\n", "1,5;-2,5;30\n", "1,5 -2,5 30,0\n",
+                                      "1,5\t-2,5\t30,0\n", "x\ty\tz\n1,5\t-2,5\t30,0\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(1.5F)) << file;
+    EXPECT_THAT(cloud.cloud.y, ElementsAre(-2.5F)) << file;
+    EXPECT_THAT(cloud.cloud.z, ElementsAre(30)) << file;
+  }
+}
+
+TEST(TextTable, LargeIntegersStayExact) {
+  const LabeledCloud cloud = read("x,y,z,timestamp\n1,2,3,5\n1,2,3,1700000000123456789\n1,2,3,-1700000000123456789\n");
+  ASSERT_EQ(cloud.attributes.size(), 1U);
+  ASSERT_EQ(cloud.attributes[0].type, ScalarType::kInt64);
+  std::vector<std::int64_t> values(3);
+  std::memcpy(values.data(), cloud.attributes[0].values.data(), 3 * sizeof(std::int64_t));
+  EXPECT_THAT(values, ElementsAre(5, 1700000000123456789, -1700000000123456789));
+  EXPECT_THAT(cloud.warnings, IsEmpty());
+}
+
+TEST(TextTable, LargeIntegersAmongOtherNumbersAreRoundedWithAWarning) {
+  for (const std::string_view file :
+       {"x,y,z,t\n1,2,3,0.5\n1,2,3,1700000000123456789\n", "x,y,z,t\n1,2,3,1700000000123456789\n1,2,3,\n",
+        "x,y,z,t\n1,2,3,99999999999999999999\n"}) {
+    const LabeledCloud cloud = read(file);
+    ASSERT_EQ(cloud.warnings.size(), 1U) << file;
+    EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept);
+    EXPECT_THAT(cloud.warnings[0].message, HasSubstr("integers beyond 2^53 of 't' are rounded"));
+    EXPECT_EQ(cloud.attributes[0].type, ScalarType::kFloat64);
+  }
+  EXPECT_THAT(read("x,y,z,t\n1,2,3,1e300\n").warnings, IsEmpty());
+}
+
 TEST(TextTable, EachFaultNamesItsLine) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {"1 2 3\n4 5\n", "line 2: the value of column 3 is missing"},
-      {"x,y,z\n1,2,3\n4,,6\n", "line 3: the value of 'y' is missing; nan stands for"},
+      {"x,y,z,r\n1,2,3,0\n4,5\n", "line 3: the value of 'z' is missing; nan stands for"},
       {"1 2 3\n4 5 6 7\n", "line 2: '7' is one value too many; the rows have 3"},
       {"1 2 3\n4 five 6\n", "line 2: 'five' is not a value of column 2"},
-      {"x y z kind label\n1 2 3 a b\n", "line 2: 'b' is not a value of 'label'"},
-      {"1,5 2,5 3,5\n", "line 1: '1,5' has a decimal comma"},
-      {"1,5;2,5;3,5\n", "line 1: '1,5' has a decimal comma"},
+      {"x y z kind r g b\n1 2 3 a b 0 0\n", "line 2: 'b' is not a value of 'r'"},
+      {"x,y,z\n\"1,5\",2,3\n", "line 2: '1,5' has a decimal comma, but commas separate"},
+      {"x y z\n5 2 3 4\n5 7 8 9\n", "line 2: '4' is one value too many"},
+      {"x y z\n1.5 2 3 4\n2.5 7 8 9\n", "line 2: '4' is one value too many"},
+      {"a,b,c\n1,2,3\n",
+       "line 1 is neither numbers nor the names of columns, x, y and z among them: 'a,b,c'; names "
+       "that are known are x y z, Points:0 Points:1 Points:2, or easting northing elevation"},
       {"x y z x\n1 2 3 4\n", "'x' occurs twice"},
       {"x y z\n", "it has no row of numbers"},
       {"10\n20\n1 2 3\n", "two counts, as PTX"},

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/codec/text/column_names.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/codec/common/header_limits.hpp"
+
+namespace segserve::codec {
+namespace {
+
+using Triple = std::array<std::string_view, 3>;
+
+constexpr Triple kPosition{"x", "y", "z"}, kColor{"red", "green", "blue"};
+constexpr std::array<Triple, 5> kOtherPositions{{
+    {"points:0", "points:1", "points:2"},
+    {"points_m_xyz:0", "points_m_xyz:1", "points_m_xyz:2"},
+    {"easting", "northing", "elevation"},
+    {"easting", "northing", "height"},
+    {"easting", "northing", "altitude"},
+}};
+constexpr std::array<Triple, 4> kOtherColors{{
+    {"rgb:0", "rgb:1", "rgb:2"},
+    {"rgba:0", "rgba:1", "rgba:2"},
+    {"color:0", "color:1", "color:2"},
+    {"colors:0", "colors:1", "colors:2"},
+}};
+
+bool is_same(std::string_view name, std::string_view lower) {
+  return std::ranges::equal(
+      name, lower, [](char a, char b) { return (a >= 'A' && a <= 'Z' ? static_cast<char>(a - 'A' + 'a') : a) == b; });
+}
+
+/// Where the three names are, in any case.
+std::optional<std::array<std::size_t, 3>> find(const std::vector<std::string>& names, const Triple& wanted) {
+  std::array<std::size_t, 3> found{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto at = std::ranges::find_if(names, [&](const std::string& name) { return is_same(name, wanted[i]); });
+    if (at == names.end()) return std::nullopt;
+    found[i] = static_cast<std::size_t>(at - names.begin());
+  }
+  return found;
+}
+
+/// Gives the usual names to columns that have those of other programs, unless there are columns with the usual ones.
+template <std::size_t kCount>
+void rename(const std::array<Triple, kCount>& others, const Triple& usual, std::vector<std::string>& names) {
+  if (find(names, usual)) return;
+  for (const Triple& other : others) {
+    if (const auto found = find(names, other)) {
+      for (std::size_t i = 0; i < 3; ++i) names[(*found)[i]] = usual[i];
+      return;
+    }
+  }
+}
+
+/// The name without a unit in brackets behind it, and without the spaces between them.
+std::string_view without_unit(std::string_view name) {
+  const bool has_unit = name.ends_with(']') || name.ends_with(')');
+  if (!has_unit) return name;
+  const std::size_t bracket = name.find_first_of("[(");
+  if (bracket == std::string_view::npos) return name;
+  const std::size_t end = name.substr(0, bracket).find_last_not_of(' ');
+  return end == std::string_view::npos ? std::string_view() : name.substr(0, end + 1);
+}
+
+ColumnNames names_between(std::string_view line, Separator separator) {
+  ColumnNames out{{}, separator};
+  for (const std::string_view cell : split_cells(line, separator, kMostHeaderFields + 1)) {
+    const std::string_view name = without_unit(cell);
+    const bool is_unit = name.empty() && !cell.empty();
+    if (is_unit && separator == Separator::kSpace) continue;  // It belongs to the name before it.
+    out.names.emplace_back(is_unit ? cell : name);
+  }
+  rename(kOtherPositions, kPosition, out.names);
+  rename(kOtherColors, kColor, out.names);
+  return out;
+}
+
+Separator separator_of_names(std::string_view line) {
+  constexpr std::array<std::pair<char, Separator>, 4> kSeparators{
+      {{';', Separator::kSemicolon}, {',', Separator::kComma}, {'\t', Separator::kTab}, {'|', Separator::kBar}}};
+  for (const auto& [character, separator] : kSeparators) {
+    if (line.find(character) != std::string_view::npos) return separator;
+  }
+  return Separator::kSpace;
+}
+
+}  // namespace
+
+std::optional<std::array<std::size_t, 3>> ColumnNames::position() const { return find(names, kPosition); }
+
+ColumnNames column_names(std::string_view line) {
+  const Separator separator = separator_of_names(line);
+  ColumnNames names = names_between(line, separator);
+  // Tabs may stand beside spaces.
+  if (separator == Separator::kTab && !names.position()) return names_between(line, Separator::kSpace);
+  return names;
+}
+
+}  // namespace segserve::codec
