@@ -72,8 +72,14 @@ bool looks_like_color(std::string_view lower_name) {
 absl::Status find_color(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
   for (const std::string_view name : {"rgb", "rgba"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(name));
-    if (found && fields[*found].is_single() && size_of(fields[*found].type) == 4) {
+    if (!found) continue;
+    const Field& field = fields[*found];
+    if (field.is_single() && size_of(field.type) >= 4) {
       roles.packed = found;
+      return absl::OkStatus();
+    }
+    if (field.count == 3 || field.count == 4) {
+      roles.color_vector = found;
       return absl::OkStatus();
     }
   }
@@ -96,8 +102,8 @@ void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& n
   if (unused.empty()) return;
   warnings.push_back(
       {WarningReason::kColorNotUsed,
-       fmt::format("the cloud has no color: {} cannot be used; rgb or rgba in 4 bytes can, or r g b, or red "
-                   "green blue",
+       fmt::format("the cloud has no color: {} cannot be used; rgb or rgba can, as one number of 4 or 8 "
+                   "bytes or as 3 or 4 numbers, or r g b, or red green blue",
                    fmt::join(unused, ", "))});
 }
 
@@ -107,6 +113,7 @@ std::vector<std::size_t> FieldRoles::fields() const {
   std::vector<std::size_t> all(position.begin(), position.end());
   if (packed) all.push_back(*packed);
   if (channels) all.insert(all.end(), channels->begin(), channels->end());
+  if (color_vector) all.push_back(*color_vector);
   if (label) all.push_back(*label);
   return all;
 }

@@ -36,17 +36,18 @@ struct FieldRoles {
   std::array<std::size_t, 3> position{};               ///< x, y, z
   std::optional<std::size_t> packed;                   ///< color as 0xAARRGGBB
   std::optional<std::array<std::size_t, 3>> channels;  ///< color as red, green and blue
+  std::optional<std::size_t> color_vector;             ///< color as one field of red, green, blue, and perhaps alpha
   ChannelKind channel_kind = ChannelKind::kIntensity;
   std::optional<std::size_t> label;
 
-  bool has_color() const { return packed || channels; }
+  bool has_color() const { return packed || channels || color_vector; }
   /// All fields that have a role, each once.
   std::vector<std::size_t> fields() const;
 };
 
 /// Finds what the fields are by the names that programs give them, in any case; a name in the usual case comes first.
 ///  - position: x, y, z
-///  - color: rgb or rgba, packed in 4 bytes; or else r g b, red green blue, diffuse_red .., color_r .., f_dc_0 f_dc_1
+///  - color: rgb or rgba, packed in a number of 4 or 8 bytes, or 3 or 4 numbers; or else r g b, red green blue, diffuse_red .., color_r .., f_dc_0 f_dc_1
 ///    f_dc_2
 ///  - label: label, scalar_Label
 /// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, or if a name that is used occurs

@@ -13,65 +13,17 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/packed_color.hpp"
 #include "core/codec/common/point_positions.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
 namespace {
 
-/// The quiet NaN, which writers of packed floats use for "no color".
-constexpr std::uint32_t kNoColor = 0x7fc00000;
-
-/// Whether the floats are packed colors by their values, as some programs convert them, and not by their bits: all
-/// those that are colors are whole numbers of 24 bits. Doubles are integers in a text some of whose words are nan.
-bool are_packed_values(const Column& column, std::size_t points, StopCheck& check) {
-  const double least = column.type == ScalarType::kFloat32 ? 1 : -0x1p31, above = least < 0 ? 0x1p32 : 0x1p24;
-  bool are_values = true, is_any = false;
-  for_each_value(column, points, check, [&](std::size_t, auto value) {
-    const auto number = static_cast<double>(value);
-    if (number == 0 || std::isnan(number)) return;
-    is_any = true;
-    are_values = are_values && number >= least && number < above && number == std::floor(number);
-  });
-  return is_any && are_values;
-}
-
-/// Calls function(i, bits) with the bits of each packed color.
-template <typename Function>
-void for_each_packed(const Column& column, std::size_t points, StopCheck& check, Function function) {
-  if (is_float(column.type) && are_packed_values(column, points, check)) {
-    for_each_value(column, points, check, [function](std::size_t i, auto value) {
-      const auto number = static_cast<double>(value);
-      function(i, std::isnan(number) ? kNoColor : static_cast<std::uint32_t>(static_cast<std::int64_t>(number)));
-    });
-  } else if (column.type == ScalarType::kFloat64) {
-    for_each_value(column, points, check, [function](std::size_t i, auto value) {
-      function(i, std::bit_cast<std::uint32_t>(static_cast<float>(value)));
-    });
-  } else {
-    check.for_each(0, points, [&](std::size_t i) {
-      function(i, load<std::uint32_t>(column.data + i * column.stride, column.order));
-    });
-  }
-}
-
-void read_packed(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
-  const bool can_be_nan = is_float(column.type);
-  for_each_packed(column, out.size(), check, [&out, can_be_nan](std::size_t i, std::uint32_t bits) {
-    out[i] = can_be_nan && bits == kNoColor ? 0 : bits & 0xFFFFFFU;
-  });
-}
-
-/// Warns of points that are there, and have no color. The colors of other points are NaN on purpose.
+/// Warns of points that are there, and have no color.
 void warn_of_missing_colors(const Column& packed, const Cloud& cloud, StopCheck& check,
                             std::vector<Warning>& warnings) {
-  if (!is_float(packed.type)) return;
-  std::size_t missing = 0, all = 0;
-  for_each_packed(packed, cloud.size(), check, [&](std::size_t i, std::uint32_t bits) {
-    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) return;
-    ++all;
-    missing += bits == kNoColor ? 1 : 0;
-  });
+  const auto [missing, all] = count_missing_colors(packed, cloud, check);
   if (missing == 0) return;
   warnings.push_back(
       {WarningReason::kColorNotUsed, fmt::format("{} of {} colors are NaN, and become black", missing, all)});
@@ -219,16 +171,26 @@ void read_label(const Column& column, std::size_t points, StopCheck& check, Labe
   out.warnings.push_back({WarningReason::kLabelNotUsed, fault});
 }
 
-void read_color(const PointTable& table, StopCheck& check, Cloud& cloud, std::vector<Warning>& warnings) {
+void read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
   const FieldRoles& roles = table.roles;
+  std::vector<std::uint32_t>& rgb = out.cloud.rgb;
   if (roles.packed) {
-    read_packed(table.column(*roles.packed), check, cloud.rgb);
+    if (read_packed_color(table.column(*roles.packed), check, rgb)) return;
+    rgb.clear();
+    out.warnings.push_back({WarningReason::kColorNotUsed,
+                            fmt::format("the cloud has no color: some values of {} are no colors packed into 4 bytes",
+                                        quoted(table.fields[*roles.packed].name))});
   } else if (roles.channels) {
     const auto [red, green, blue] = *roles.channels;
     std::optional<ScalarType> claimed = table.fields[red].type;
     if (table.fields[green].type != *claimed || table.fields[blue].type != *claimed) claimed.reset();
-    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, claimed, check,
-                  cloud.rgb, warnings);
+    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, claimed, check, rgb,
+                  out.warnings);
+  } else if (roles.color_vector) {
+    std::array<Column, 3> columns;
+    columns.fill(table.column(*roles.color_vector));
+    for (std::size_t k = 0; k < 3; ++k) columns[k].data += k * size_of(columns[k].type);
+    read_channels(columns, roles.channel_kind, table.fields[*roles.color_vector].type, check, rgb, out.warnings);
   }
 }
 
@@ -303,7 +265,7 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   out.cloud.width = table.width;
   out.cloud.height = table.height;
   StopCheck check(stop);
-  read_color(table, check, out.cloud, out.warnings);
+  read_color(table, check, out);
   if (roles.label && !check.stopped()) read_label(table.column(*roles.label), table.points(), check, out);
   if (options.keep_everything) keep_attributes(table, check, out);
   const auto [x, y, z] = roles.position;

@@ -37,8 +37,8 @@ void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fiel
 /// The same for fields without a role and the labels, which the table then does not have.
 void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<Warning>& warnings);
 
-/// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. The
-/// low 32 bits of an integer, or all of a float, are a packed color. Labels that the file has become the attribute
+/// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. How
+/// packed colors are read is told by read_packed_color. Labels that the file has become the attribute
 /// `input_label`, too, because files that are written from it have other labels. Adds warnings. CANCELLED,
 /// DEADLINE_EXCEEDED.
 absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 #include <string>
@@ -40,6 +41,29 @@ std::vector<std::string> names_of(const TextStart& start, const TextRows& rows, 
   return names;
 }
 
+/// Takes their role from colors and labels that are words, with a warning.
+void leave_out_words(PointTable& table, std::map<std::size_t, std::string>& unreadable,
+                     std::vector<Warning>& warnings) {
+  FieldRoles& roles = table.roles;
+  if (const auto label = roles.label; label && unreadable.contains(*label)) {
+    warnings.push_back({WarningReason::kLabelNotUsed, "the labels are not used: " + unreadable[*label]});
+    table.fields[*label].count = 0;
+    roles.label.reset();
+    unreadable.erase(*label);
+  }
+  std::vector<std::size_t> color;
+  if (roles.packed) color.push_back(*roles.packed);
+  if (roles.channels) color.assign(roles.channels->begin(), roles.channels->end());
+  const auto words = std::ranges::find_if(color, [&](std::size_t field) { return unreadable.contains(field); });
+  if (words == color.end()) return;
+  warnings.push_back({WarningReason::kColorNotUsed, "the cloud has no color: " + unreadable[*words]});
+  for (const std::size_t field : color) {
+    if (unreadable.erase(field) > 0) table.fields[field].count = 0;
+  }
+  roles.packed.reset();
+  roles.channels.reset();
+}
+
 absl::StatusOr<PointTable> make_table(const std::vector<std::string>& names, const TextRows& rows,
                                       std::vector<Warning>& warnings) {
   PointTable table;
@@ -48,14 +72,9 @@ absl::StatusOr<PointTable> make_table(const std::vector<std::string>& names, con
   if (!roles.ok()) return fault("{}", std::string(roles.status().message()));
   table.roles = *std::move(roles);
   std::map<std::size_t, std::string> unreadable = rows.unreadable();
-  if (const auto label = table.roles.label; label && unreadable.contains(*label)) {
-    warnings.push_back({WarningReason::kLabelNotUsed, "the labels are not used: " + unreadable[*label]});
-    table.fields[*label].count = 0;
-    table.roles.label.reset();
-    unreadable.erase(*label);
-  }
-  for (const std::size_t used : table.roles.fields()) {
-    const auto found = unreadable.find(used);
+  leave_out_words(table, unreadable, warnings);
+  for (const std::size_t axis : table.roles.position) {
+    const auto found = unreadable.find(axis);
     if (found != unreadable.end()) return fault("{}", found->second);
   }
   std::set<std::size_t> left_out;

@@ -52,6 +52,18 @@ TEST(FieldRoles, ColorsHaveManyNames) {
   EXPECT_EQ(find(fields_of({"x", "y", "z", "RGBA"})).roles.packed, 3U);
 }
 
+TEST(FieldRoles, ColorsInOneFieldArePackedOrThreeNumbersOrFour) {
+  for (const ScalarType type : {ScalarType::kInt32, ScalarType::kInt64, ScalarType::kUint64, ScalarType::kFloat64}) {
+    EXPECT_EQ(find(fields_of({"x", "y", "z", "rgb"}, type)).roles.packed, 3U);
+  }
+  std::vector<Field> fields = fields_of({"x", "y", "z", "rgba"}, ScalarType::kUint8);
+  for (const std::size_t count : {3, 4}) {
+    fields[3].count = count;
+    EXPECT_EQ(find(fields).roles.color_vector, 3U);
+    EXPECT_THAT(find(fields).roles.fields(), ElementsAre(0, 1, 2, 3));
+  }
+}
+
 TEST(FieldRoles, AColorThatCannotBeUsedIsMentioned) {
   std::vector<Field> fields = fields_of({"x", "y", "z", "rgb", "intensity"});
   fields[3].type = ScalarType::kUint8;

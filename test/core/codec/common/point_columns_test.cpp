@@ -47,6 +47,19 @@ TEST(PointColumns, TheValuesTellWhatFullIntensityIs) {
   EXPECT_THAT(red_of<float>({NAN, -1, 1}, ScalarType::kFloat32), ElementsAre(0, 0, 255));
 }
 
+TEST(PointColumns, OneFieldMayHaveAllChannels) {
+  const std::vector<std::array<float, 4>> values{{1, 0.5, 0, 1}, {0, 0, 1, 1}};
+  PointTable table{.fields = {{"x"}, {"rgba", ScalarType::kFloat32, 4}}, .roles = {}, .width = 2, .height = 1, .column = {}};
+  table.roles.position = {0, 0, 0};
+  table.roles.color_vector = 1;
+  table.column = [&](std::size_t) {
+    return Column{std::as_bytes(std::span(values)).data(), sizeof(values[0]), ScalarType::kFloat32};
+  };
+  LabeledCloud out;
+  ASSERT_TRUE(read_points(table, {}, {}, {}, out).ok());
+  EXPECT_THAT(out.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0), pack_rgb(0, 0, 255)));
+}
+
 TEST(PointColumns, SignedBytesAreTheSameEightBits) {
   EXPECT_THAT(red_of<std::int8_t>({0, 127, -56, -1}, ScalarType::kInt8), ElementsAre(0, 127, 200, 255));
 }

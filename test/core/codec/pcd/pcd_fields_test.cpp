@@ -177,7 +177,7 @@ TEST(PcdFields, WhatIsNotUsedIsMentioned) {
   EXPECT_EQ(reason_of(label), WarningReason::kLabelNotUsed);
   const std::string part = header("x y z label", "4 4 4 4", "F F F I", "1 1 1 1", 1, "ascii") + "0 0 0 1.5\n";
   EXPECT_EQ(reason_of(part), WarningReason::kLabelNotUsed);
-  const std::string color = header("x y z rgb", "4 4 4 8", "F F F F", "1 1 1 1", 1, "ascii") + "0 0 0 1\n";
+  const std::string color = header("x y z rgb", "4 4 4 8", "F F F F", "1 1 1 1", 1, "ascii") + "0 0 0 0.5\n";
   EXPECT_EQ(reason_of(color), WarningReason::kColorNotUsed);
 }
 

@@ -112,6 +112,34 @@ TEST(TextTable, LabelsThatAreWordsAreMentioned) {
   EXPECT_EQ(cloud.warnings[0].message, "the labels are not used: line 2: 'table' is not a value of 'label'");
 }
 
+TEST(TextTable, ColorsThatAreWordsAreMentioned) {
+  for (const std::string_view file : {"x,y,z,r,g,b\n1,2,3,dark,0,0\n", "x,y,z,rgb\n1,2,3,#ff0000\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(1)) << file;
+    EXPECT_FALSE(cloud.cloud.has_color());
+    ASSERT_EQ(cloud.warnings.size(), 1U);
+    EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kColorNotUsed);
+    EXPECT_THAT(cloud.warnings[0].message, HasSubstr("the cloud has no color: line 2"));
+  }
+}
+
+TEST(TextTable, PackedColorsAreIntegersOrTheirBitsAsFloats) {
+  for (const std::string_view file :
+       {"x,y,z,rgb\n1,2,3,9858630\n4,5,6,-6918586\n4,5,6,4288048710\n",
+        "x,y,z,rgb\n1,2,3,1.3814883079346571e-38\n4,5,6,-9.997838589542423e+37\n4,5,6,1.3814883079346571e-38\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.cloud.rgb, testing::AllOf(testing::SizeIs(3), testing::Each(pack_rgb(0x96, 0x6e, 0x46)))) << file;
+    EXPECT_THAT(cloud.warnings, IsEmpty());
+  }
+  for (const std::string_view file : {"x,y,z,rgb\n1,2,3,0.5\n", "x,y,z,rgb\n1,2,3,5000000000\n"}) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_FALSE(cloud.cloud.has_color());
+    ASSERT_EQ(cloud.warnings.size(), 1U);
+    EXPECT_EQ(cloud.warnings[0].message,
+              "the cloud has no color: some values of 'rgb' are no colors packed into 4 bytes");
+  }
+}
+
 TEST(TextTable, LabelsThatAreMissingAreZero) {
   const LabeledCloud cloud = read("x,y,z,label\n1,2,3,\n4,5,6,nan\n7,8,9,2\n7,8,9,None\n");
   EXPECT_THAT(cloud.label, ElementsAre(0, 0, 2, 0));
@@ -212,7 +240,7 @@ TEST(TextTable, EachFaultNamesItsLine) {
       {"x,y,z,r\n1,2,3,0\n4,5\n", "line 3: the value of 'z' is missing; nan stands for"},
       {"1 2 3\n4 5 6 7\n", "line 2: '7' is one value too many; the rows have 3"},
       {"1 2 3\n4 five 6\n", "line 2: 'five' is not a value of column 2"},
-      {"x y z kind r g b\n1 2 3 a b 0 0\n", "line 2: 'b' is not a value of 'r'"},
+      {"x y z kind\n1 2 3 a\n1 b 3 a\n", "line 3: 'b' is not a value of 'y'"},
       {"x,y,z\n\"1,5\",2,3\n", "line 2: '1,5' has a decimal comma, but commas separate"},
       {"x y z\n5 2 3 4\n5 7 8 9\n", "line 2: '4' is one value too many"},
       {"x y z\n1.5 2 3 4\n2.5 7 8 9\n", "line 2: '4' is one value too many"},
