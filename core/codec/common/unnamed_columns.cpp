@@ -37,16 +37,47 @@ class ColumnNamer {
       has_normal_ = true;
       return append(kNormal);
     }
-    if (left() >= 3 && !has_color_ && is_color(names_.size())) {
-      const bool is_pts = left() == 4 && names_.size() == 3 && is_color(4);
-      if (!is_pts) {
-        has_color_ = true;
+    if (left() >= 3 && color_ == 0 && is_color(names_.size())) {
+      if (!is_intensity_before_color()) {
+        color_ = names_.size();
         return append(kColor);
       }
-      is_ambiguous_ = true;
+    }
+    const bool is_label_last = left() == 1 && color_ > 0 && columns_.size() <= 8 && is_label(names_.size(), color_);
+    if (is_label_last) {
+      names_.emplace_back("label");
+      return;
     }
     const bool is_intensity = names_.size() == 3 && (left() == 1 || left() >= 4);
     names_.push_back(is_intensity ? "intensity" : fmt::format("column_{}", names_.size() + 1));
+  }
+
+  /// Whether the next column is an intensity in front of colors, although it and the two behind it could be colors.
+  bool is_intensity_before_color() {
+    constexpr std::size_t kIntensity = 3, kColorBehind = 4, kLastBlue = 6, kLabel = 7;
+    const bool could_be = names_.size() == kIntensity && (left() == 4 || left() == 5) && is_color(kColorBehind);
+    if (!could_be) return false;
+    if (left() == 5) return is_label(kLabel, kColorBehind) && !is_label(kLastBlue, kIntensity);
+    is_ambiguous_ = true;
+    return !is_label(kLastBlue, kIntensity);
+  }
+
+  /// Whether the values of a column are small integers, and those of the colors from `color` on are larger or have
+  /// decimals.
+  bool is_label(std::size_t column, std::size_t color) {
+    constexpr double kMostLabel = 64;
+    bool fits = true, differs = false;
+    for_each_value(columns_[column], points_, check_, [&fits](std::size_t, auto value) {
+      const auto number = static_cast<double>(value);
+      fits = fits && number >= -1 && number <= kMostLabel && number == std::floor(number);
+    });
+    for (std::size_t i = color; fits && i < color + 3; ++i) {
+      for_each_value(columns_[i], points_, check_, [&differs](std::size_t, auto value) {
+        const auto number = static_cast<double>(value);
+        differs = differs || number > kMostLabel || number != std::floor(number);
+      });
+    }
+    return fits && differs;
   }
 
   void append(const Names& names) { names_.insert(names_.end(), names.begin(), names.end()); }
@@ -84,7 +115,8 @@ class ColumnNamer {
   std::size_t points_;
   StopCheck& check_;
   std::vector<std::string> names_;
-  bool has_color_ = false, has_normal_ = false, is_ambiguous_ = false;
+  std::size_t color_ = 0;  // the first of the colors; 0 if there are none so far
+  bool has_normal_ = false, is_ambiguous_ = false;
 };
 
 }  // namespace

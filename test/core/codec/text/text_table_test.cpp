@@ -74,6 +74,25 @@ TEST(TextTable, ValuesTellTheColumnsThatHaveNoNames) {
   EXPECT_THAT(attributes_of(last), ElementsAre("column_7"));
 }
 
+TEST(TextTable, ALastColumnOfSmallIntegersBehindColorsIsALabel) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"1 2 3 150 110 70 0\n1 2 3 150 110 70 2\n", "x y z red green blue label"},
+      {"1 2 3 0.59 0.43 0.27 0\n1 2 3 0.59 0.43 0.27 2\n", "x y z red green blue label"},
+      {"1 2 3 3 150 110 70 0\n1 2 3 3 150 110 70 2\n", "x y z intensity red green blue label"},
+  };
+  for (const auto& [file, names] : cases) {
+    const LabeledCloud cloud = read(file);
+    EXPECT_THAT(cloud.label, ElementsAre(0, 2)) << file;
+    EXPECT_EQ(cloud.cloud.rgb[0] >> 16U, 150U) << file;
+    ASSERT_EQ(cloud.warnings.size(), 1U) << file;
+    EXPECT_THAT(cloud.warnings[0].message, HasSubstr("taken as: " + names + ";"));
+  }
+  EXPECT_EQ(read("1 2 3 -3 150 110 70 0\n").label.size(), 1U);
+  const LabeledCloud two = read("1 2 3 150 110 70 4 0\n");
+  EXPECT_THAT(two.warnings[0].message, HasSubstr("x y z red green blue column_7"));
+  EXPECT_THAT(read("1 2 3 3 150 110 70\n").warnings[0].message, HasSubstr("x y z intensity red green blue;"));
+}
+
 TEST(TextTable, AllBlocksOfPtsAreRead) {
   const LabeledCloud cloud = read("2\n1 2 3\n4 5 6\n1\n7 8 9\n");
   EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4, 7));
