@@ -30,12 +30,6 @@ constexpr std::array<ColorNames, 7> kColorNames{{
     {{"f_dc_0", "f_dc_1", "f_dc_2"}, ChannelKind::kSphericalHarmonic},
 }};
 
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return lower;
-}
-
 /// The names of fields twice: as they are, and in lower case.
 class FieldNames {
  public:
@@ -70,6 +64,7 @@ bool looks_like_color(std::string_view lower_name) {
 }
 
 absl::Status find_color(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
+  std::optional<std::size_t> vector;
   for (const std::string_view name : {"rgb", "rgba"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(name));
     if (!found) continue;
@@ -78,10 +73,8 @@ absl::Status find_color(const std::vector<Field>& fields, const FieldNames& name
       roles.packed = found;
       return absl::OkStatus();
     }
-    if (field.count == 3 || field.count == 4) {
-      roles.color_vector = found;
-      return absl::OkStatus();
-    }
+    const bool is_vector = field.count == 3 || field.count == 4;
+    if (is_vector && !vector) vector = found;
   }
   for (const ColorNames& wanted : kColorNames) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted.names));
@@ -91,6 +84,7 @@ absl::Status find_color(const std::vector<Field>& fields, const FieldNames& name
       return absl::OkStatus();
     }
   }
+  roles.color_vector = vector;
   return absl::OkStatus();
 }
 
@@ -100,11 +94,10 @@ void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& n
     if (looks_like_color(names.lower(i))) unused.push_back(quoted(fields[i].name));
   }
   if (unused.empty()) return;
-  warnings.push_back(
-      {WarningReason::kColorNotUsed,
-       fmt::format("the cloud has no color: {} cannot be used; rgb or rgba can, as one number of 4 or 8 "
-                   "bytes or as 3 or 4 numbers, or r g b, or red green blue",
-                   fmt::join(unused, ", "))});
+  warnings.push_back({WarningReason::kColorNotUsed,
+                      fmt::format("the cloud has no color: {} cannot be used; rgb or rgba can, as one number of 4 or 8 "
+                                  "bytes or as 3 or 4 numbers, or r g b, or red green blue",
+                                  fmt::join(unused, ", "))});
 }
 
 }  // namespace
@@ -116,6 +109,12 @@ std::vector<std::size_t> FieldRoles::fields() const {
   if (color_vector) all.push_back(*color_vector);
   if (label) all.push_back(*label);
   return all;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
 }
 
 bool has_meaning(std::string_view name) {

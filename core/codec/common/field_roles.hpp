@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -47,12 +48,16 @@ struct FieldRoles {
 
 /// Finds what the fields are by the names that programs give them, in any case; a name in the usual case comes first.
 ///  - position: x, y, z
-///  - color: rgb or rgba, packed in a number of 4 or 8 bytes, or 3 or 4 numbers; or else r g b, red green blue, diffuse_red .., color_r .., f_dc_0 f_dc_1
+///  - color: rgb or rgba, packed in a number of 4 or 8 bytes, or 3 or 4 numbers; or else r g b, red green blue,
+///  diffuse_red .., color_r .., f_dc_0 f_dc_1
 ///    f_dc_2
 ///  - label: label, scalar_Label
 /// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, or if a name that is used occurs
 /// twice. Warns of fields that look like color, or like a label, and are not used.
 absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings);
+
+/// The text with small letters for the capitals of ASCII.
+std::string lower_case(std::string_view text);
 
 /// Whether a field of this name, in any case, can have a role.
 bool has_meaning(std::string_view name);

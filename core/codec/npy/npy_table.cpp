@@ -32,17 +32,18 @@ float half_value(std::uint16_t half) {
   return sign * std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
 }
 
-/// The names of the columns of an array of this name with so many numbers for each point; null if it is one value.
-const Names* names_of_parts(std::string_view name, std::size_t count) {
-  constexpr std::array<std::string_view, 7> kPositions{"points", "xyz",    "pos",     "positions",
-                                                       "coord",  "coords", "vertices"};
-  constexpr std::array<std::string_view, 4> kColors{"colors", "color", "rgb", "rgba"};
-  if (count == 3 && std::ranges::find(kPositions, name) != kPositions.end()) return &kPosition;
-  if ((count == 3 || count == 4) && std::ranges::find(kColors, name) != kColors.end()) return &kColor;
-  return nullptr;
-}
-
 }  // namespace
+
+const Names* NpyTable::parts_of(std::string_view name, std::size_t count) const {
+  constexpr std::array<std::string_view, 8> kColors{"colors", "color", "colours",      "colour",
+                                                    "rgb",    "rgba",  "vertex_color", "vertex_colors"};
+  const std::string lower = lower_case(name);
+  const Names* parts = nullptr;
+  if (count == 3 && std::ranges::find(kPositionArrays, lower) != kPositionArrays.end()) parts = &kPosition;
+  if ((count == 3 || count == 4) && std::ranges::find(kColors, lower) != kColors.end()) parts = &kColor;
+  const bool is_taken = parts != nullptr && std::ranges::find(names_, (*parts)[0]) != names_.end();
+  return is_taken ? nullptr : parts;
+}
 
 absl::Status NpyTable::set_shape(const NpyArray& array, std::size_t column_axes) {
   const auto& shape = array.header().shape;
@@ -100,10 +101,10 @@ void NpyTable::add_fields(const NpyArray& array) {
   for (const NpyField& field : array.header().fields) {
     if (const auto view = codec::stated_view(field.title)) stated_view_ = view;
     const std::byte* const data = array.data() + field.offset;
-    if (const Names* const parts = names_of_parts(field.name, field.count)) {
+    if (const Names* const parts = parts_of(field.name, field.count)) {
       for (std::size_t k = 0; k < 3; ++k) add_column((*parts)[k], field, data + k * field.bytes, stride, 1);
     } else if (field.count > 0) {
-      add_column(field.name == "labels" ? "label" : field.name, field, data, stride, field.count);
+      add_column(lower_case(field.name) == "labels" ? "label" : field.name, field, data, stride, field.count);
     }
   }
 }
@@ -137,12 +138,12 @@ void NpyTable::add_named(const NpyArray& array, const std::string& name) {
   const NpyField& field = array.header().fields[0];
   std::size_t total = 1;
   if (points() > 0) total = static_cast<std::size_t>(array.header().elements()) / points();
-  if (const Names* const parts = names_of_parts(name, total)) {
+  if (const Names* const parts = parts_of(name, total)) {
     for (std::size_t k = 0; k < 3; ++k) {
       add_column((*parts)[k], field, array.data() + k * field.bytes, total * field.bytes, 1);
     }
   } else if (total > 0) {
-    add_column(name == "labels" ? "label" : name, field, array.data(), total * field.bytes, total);
+    add_column(lower_case(name) == "labels" ? "label" : name, field, array.data(), total * field.bytes, total);
   }
 }
 

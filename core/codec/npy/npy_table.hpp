@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -19,6 +20,10 @@
 #include "segserve/codec/warning.hpp"
 
 namespace segserve::codec {
+
+/// The names, in lower case, of arrays that have positions, three numbers for each point.
+inline constexpr std::array<std::string_view, 8> kPositionArrays{"points",    "xyz",   "pos",    "position",
+                                                                 "positions", "coord", "coords", "vertices"};
 
 /// Collects the columns of a cloud from arrays, which must outlive it.
 class NpyTable {
@@ -49,6 +54,10 @@ class NpyTable {
  private:
   void add_column(std::string name, const NpyField& field, const std::byte* data, std::size_t stride,
                   std::size_t count);
+
+  /// The names of the columns of an array of this name, in any case, with so many numbers for each point; null if it
+  /// is one value, or if there are columns of these names.
+  const std::array<const char*, 3>* parts_of(std::string_view name, std::size_t count) const;
 
   const DecodeLimits& limits_;
   StopCheck& check_;

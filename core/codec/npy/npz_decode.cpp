@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "core/base/status_macros.hpp"
+#include "core/base/status_text.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/field_roles.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/common/zip_archive.hpp"
@@ -24,14 +26,39 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
+constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+
+bool is_position_name(std::string_view name) {
+  const std::string lower = lower_case(name);
+  return std::ranges::find(kPositionArrays, lower) != kPositionArrays.end() ||
+         std::ranges::find(kAxes, lower) != kAxes.end();
+}
+
+/// A member that cannot be opened.
+struct Unopened {
+  std::string name;
+  absl::Status status;
+  bool is_damaged = false;  ///< its bytes are, so that it is unknown what it was
+};
+
 /// The arrays of an archive, and the bytes that they lie in.
 struct Archive {
   std::deque<std::vector<std::byte>> bytes;
   std::vector<NpyArray> arrays;
+  std::vector<Unopened> unopened;
 
+  /// The array of this name, or else of this name in any case.
   const NpyArray* find(std::string_view name) const {
-    const auto found = std::ranges::find(arrays, name, &NpyArray::name);
+    auto found = std::ranges::find(arrays, name, &NpyArray::name);
+    if (found == arrays.end()) {
+      found = std::ranges::find(arrays, name, [](const NpyArray& array) { return lower_case(array.name()); });
+    }
     return found == arrays.end() ? nullptr : &*found;
+  }
+  /// Whether arrays with positions are there by their names.
+  bool has_position() const {
+    const auto is_there = [this](std::string_view name) { return find(name) != nullptr; };
+    return std::ranges::any_of(kPositionArrays, is_there) || std::ranges::all_of(kAxes, is_there);
   }
   std::string names() const {
     std::vector<std::string> all;
@@ -39,6 +66,16 @@ struct Archive {
     return fmt::format("{}", fmt::join(all, ", "));
   }
 };
+
+absl::Status no_arrays(const std::vector<ZipMember>& members) {
+  constexpr std::size_t kMostNamed = 3;
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::min(members.size(), kMostNamed); ++i) names.push_back(quoted(members[i].name));
+  if (members.size() > kMostNamed) names.emplace_back("..");
+  return absl::InvalidArgumentError(
+      fmt::format("this is a zip archive without an array of NumPy (.npy) in it; unpack it first; it has {}",
+                  names.empty() ? "no files" : fmt::format("{}", fmt::join(names, ", "))));
+}
 
 absl::StatusOr<Archive> open_archive(std::span<const std::byte> file, const DecodeLimits& limits, StopCheck& check,
                                      std::vector<Warning>& warnings) {
@@ -53,18 +90,40 @@ absl::StatusOr<Archive> open_archive(std::span<const std::byte> file, const Deco
       continue;
     }
     name.remove_suffix(kExtension.size());
-    ASSIGN_OR_RETURN(auto bytes, read_zip_member(file, member, check));
-    archive.bytes.push_back(std::move(bytes));
-    ASSIGN_OR_RETURN(auto array, NpyArray::open(archive.bytes.back(), std::string(name), check));
-    archive.arrays.push_back(std::move(array));
+    auto bytes = read_zip_member(file, member, check);
+    if (absl::IsInvalidArgument(bytes.status())) {
+      archive.unopened.push_back({std::string(name), bytes.status(), true});
+      continue;
+    }
+    RETURN_IF_ERROR(bytes.status());
+    archive.bytes.push_back(*std::move(bytes));
+    auto array = NpyArray::open(archive.bytes.back(), std::string(name), check);
+    if (absl::IsInvalidArgument(array.status())) {
+      archive.unopened.push_back({std::string(name), array.status()});
+      continue;
+    }
+    RETURN_IF_ERROR(array.status());
+    archive.arrays.push_back(*std::move(array));
   }
+  if (archive.arrays.empty() && archive.unopened.empty()) return no_arrays(members);
   return archive;
+}
+
+/// Warns of the members that cannot be opened. An error if one of them may have the positions.
+absl::Status pass_over_unopened(const Archive& archive, std::vector<Warning>& warnings) {
+  for (const Unopened& member : archive.unopened) {
+    const bool may_be_position =
+        is_position_name(member.name) || archive.arrays.empty() || (archive.arrays.size() == 1 && member.is_damaged);
+    if (may_be_position && !archive.has_position()) return member.status;
+    warnings.push_back({WarningReason::kAttributeNotKept, fmt::format("{} in the archive is not kept: {}",
+                                                                      quoted(member.name), message_of(member.status))});
+  }
+  return absl::OkStatus();
 }
 
 /// Adds the positions of the points, and returns the names of the arrays that have them.
 absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTable& points) {
-  for (const std::string_view name :
-       {"points"sv, "xyz"sv, "pos"sv, "positions"sv, "coord"sv, "coords"sv, "vertices"sv}) {
+  for (const std::string_view name : kPositionArrays) {
     const NpyArray* const array = archive.find(name);
     if (array == nullptr || array->header().is_structured) continue;
     RETURN_IF_ERROR(points.set_shape(*array, 1));
@@ -75,7 +134,7 @@ absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTa
   if (std::ranges::count(axes, nullptr) > 0) {
     return absl::InvalidArgumentError(
         fmt::format("NPZ archive: there must be an array 'points' or 'xyz', or arrays 'x', 'y' and 'z'; it has {}",
-                    archive.arrays.empty() ? "none" : archive.names()));
+                    archive.names()));
   }
   RETURN_IF_ERROR(points.set_shape(*axes[0], 0));
   for (const NpyArray* const axis : axes) {
@@ -85,7 +144,7 @@ absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTa
     }
     points.add_named(*axis, axis->name());
   }
-  return std::set<std::string>{"x", "y", "z"};
+  return std::set<std::string>{axes[0]->name(), axes[1]->name(), axes[2]->name()};
 }
 
 void add_others(const Archive& archive, const std::set<std::string>& used, NpyTable& points,
@@ -114,6 +173,7 @@ absl::StatusOr<LabeledCloud> decode_npz(std::span<const std::byte> bytes, const 
   StopCheck check(stop);
   std::vector<Warning> warnings;
   ASSIGN_OR_RETURN(const Archive archive, open_archive(bytes, limits, check, warnings));
+  RETURN_IF_ERROR(pass_over_unopened(archive, warnings));
   if (archive.arrays.size() == 1) return read_array(archive.arrays[0], warnings, limits, options, stop);
   NpyTable points(limits, check, warnings);
   ASSIGN_OR_RETURN(const auto used, add_position(archive, points));

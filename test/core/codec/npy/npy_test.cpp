@@ -65,6 +65,17 @@ TEST(Npy, NamedFieldsAreRead) {
   EXPECT_EQ(cloud.attributes[1].count, 3U);
 }
 
+TEST(Npy, FieldsOfPositionsAndColorsHaveManyNamesInAnyCase) {
+  const std::string element = raw<float>({1, 2, 3}) + "\xff\x80" + std::string(1, '\0');
+  for (const auto& [position, color] : std::vector<std::pair<std::string, std::string>>{
+           {"position", "rgb"}, {"Points", "Colors"}, {"XYZ", "RGB"}, {"xyz", "vertex_colors"}}) {
+    const LabeledCloud cloud =
+        read(npy_file("[('" + position + "', '<f4', (3,)), ('" + color + "', '|u1', (3,))]", "(1,)", element));
+    EXPECT_THAT(cloud.cloud.z, ElementsAre(3)) << position;
+    EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0))) << color;
+  }
+}
+
 TEST(Npy, EachFaultIsNamed) {
   const std::vector<std::pair<std::string, std::string>> cases{
       {npy_file("'|O'", "(2, 3)", "x"), "its elements are Python objects"},

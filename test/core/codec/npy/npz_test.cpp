@@ -87,7 +87,49 @@ TEST(Npz, WhatIsNotUsedIsMentioned) {
   EXPECT_THAT(cloud.warnings[1].message, HasSubstr("'pose' of shape (4, 4) is not kept"));
 }
 
+TEST(Npz, MembersThatCannotBeOpenedAreMentionedUnlessTheyHaveThePositions) {
+  const std::string pickled = npy_file("'|O'", "()", "pickle");
+  Members members = sample_members();
+  members.emplace_back("meta.npy", pickled);
+  const LabeledCloud cloud = read_archive(zip(members, true));
+  EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6));
+  ASSERT_EQ(cloud.warnings.size(), 1U);
+  EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept);
+  EXPECT_THAT(cloud.warnings[0].message, HasSubstr("'meta' in the archive is not kept"));
+  EXPECT_THAT(cloud.warnings[0].message, HasSubstr("Python objects"));
+  EXPECT_EQ(read_archive(zip({sample_members()[0], {"meta.npy", pickled}}, true)).warnings.size(), 1U);
+  EXPECT_EQ(read_archive(zip({{"a.npy", sample_members()[0].second}, {"meta.npy", pickled}}, true)).cloud.size(), 2U);
+  members = sample_members();
+  members[0].second = pickled;
+  expect_fault(decode_cloud(bytes_of(zip(members, true)), {}).status(), "Python objects");
+  expect_fault(decode_cloud(bytes_of(zip({members[0], members[1]}, true)), {}).status(), "Python objects");
+}
+
+TEST(Npz, NamesCountInAnyCase) {
+  Members members = sample_members();
+  members[0].first = "Position.npy";
+  members[1].first = "vertex_Colors.npy";
+  members[2].first = "Labels.npy";
+  const LabeledCloud cloud = read_archive(zip(members, true));
+  EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6));
+  EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0), pack_rgb(1, 2, 3)));
+  EXPECT_THAT(cloud.label, ElementsAre(7, 9));
+}
+
+TEST(Npz, OtherPositionsAndColorsAreAttributes) {
+  Members members = sample_members();
+  members.emplace_back("pos.npy", members[0].second);
+  members.emplace_back("rgb.npy", members[1].second);
+  const LabeledCloud cloud = read_archive(zip(members, true));
+  EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6));
+  EXPECT_TRUE(cloud.cloud.has_color());
+  EXPECT_EQ(cloud.attributes.size(), 4U);
+}
+
 TEST(Npz, EachFaultIsNamed) {
+  expect_fault(decode_cloud(bytes_of(zip({{"scene.ply", "ply"}}, true)), {}).status(),
+               "this is a zip archive without an array of NumPy (.npy) in it; unpack it first; it has 'scene.ply'");
+  expect_fault(decode_cloud(bytes_of(zip({}, true)), {}).status(), "it has no files");
   const std::string array = sample_members()[0].second;
   expect_fault(decode_cloud(bytes_of(zip({{"a.npy", array}, {"b.npy", array}}, true)), {}).status(), "it has 'a', 'b'");
   std::string encrypted = zip({{"a.npy", array}}, false);
