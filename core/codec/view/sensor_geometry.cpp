@@ -95,8 +95,9 @@ Agreement both(Agreement a, Agreement b) {
   return a == b ? a : Agreement::kUnknown;
 }
 
+constexpr float kSteepest = 10;  // Straight above and below, elevations say nothing.
+
 bool are_rings(const CloudView& cloud, const Lines& lines, StopCheck& check) {
-  constexpr float kSteepest = 10;  // Straight above and below, elevations say nothing.
   const auto share = share_within(cloud, lines, check, [&](std::size_t i) {
     const float v = elevation(cloud, i);
     return std::abs(v) < kSteepest ? v : NAN;
@@ -135,15 +136,17 @@ std::vector<Cluster> find_clusters(std::vector<float>& values, StopCheck& check)
   return clusters;
 }
 
-/// Whether there are some clusters, and nearly all values lie in those of at least `least_size`.
+/// Whether there are some clusters of at least `least_size`, and nearly all values lie in them.
 bool are_filled(const std::vector<Cluster>& clusters, std::size_t least_size, double share) {
   constexpr std::size_t kFewestClusters = 4;
-  std::size_t all = 0, filled = 0;
+  std::size_t all = 0, filled = 0, count = 0;
   for (const Cluster& cluster : clusters) {
     all += cluster.size;
-    filled += cluster.size >= least_size ? cluster.size : 0;
+    if (cluster.size < least_size) continue;
+    filled += cluster.size;
+    ++count;
   }
-  return clusters.size() >= kFewestClusters && static_cast<double>(filled) >= share * static_cast<double>(all);
+  return count >= kFewestClusters && static_cast<double>(filled) >= share * static_cast<double>(all);
 }
 
 /// Whether the gaps between clusters are multiples of the smallest gap that is common.
@@ -195,6 +198,13 @@ bool has_pixel_values(const CloudView& cloud, int axis, StopCheck& check) {
   return raster.empty() || raster.size() > pixels.size();
 }
 
+/// The sine of the elevation; NaN where it says nothing. The tangent would grow without bounds there, so that all
+/// others would lie in one cluster.
+float sine_of_elevation(const CloudView& cloud, std::size_t i) {
+  const float tangent = elevation(cloud, i);
+  return std::abs(tangent) < kSteepest ? tangent / std::sqrt(1 + tangent * tangent) : NAN;
+}
+
 /// Whether nearly all rings are circles around the z axis, as those of a body of revolution, and not of a room.
 bool are_circles(const CloudView& cloud, StopCheck& check, const std::vector<Cluster>& rings) {
   constexpr float kRound = 0.02F;
@@ -202,8 +212,9 @@ bool are_circles(const CloudView& cloud, StopCheck& check, const std::vector<Clu
   std::vector<float> least(rings.size(), HUGE_VALF), most(rings.size(), 0);
   check.for_each(0, cloud.size(), [&](std::size_t i) {
     if (!is_point(cloud, i)) return;
-    const auto after = std::ranges::upper_bound(rings, elevation(cloud, i), {}, &Cluster::first);
-    if (after == rings.begin()) return;
+    const float sine = sine_of_elevation(cloud, i);
+    const auto after = std::ranges::upper_bound(rings, sine, {}, &Cluster::first);
+    if (std::isnan(sine) || after == rings.begin()) return;
     const auto ring = static_cast<std::size_t>(after - rings.begin()) - 1;
     const float range = std::sqrt(cloud.x[i] * cloud.x[i] + cloud.y[i] * cloud.y[i]);
     least[ring] = std::min(least[ring], range);
@@ -214,6 +225,56 @@ bool are_circles(const CloudView& cloud, StopCheck& check, const std::vector<Clu
     circles += most[ring] - least[ring] <= kRound * most[ring] ? 1 : 0;
   return static_cast<double>(circles) >= kShare * static_cast<double>(rings.size());
 }
+
+/// The directions from the origin, as the cells of six faces of a cube.
+class DirectionCells {
+ public:
+  explicit DirectionCells(int edge) : edge_(edge), cells_(std::size_t{6} * edge * edge) {}
+
+  void add(const CloudView& cloud, std::size_t i) {
+    const auto [cell, range] = place(cloud, i);
+    occupied_ += cells_[cell].points == 0 ? 1U : 0U;
+    ++cells_[cell].points;
+    cells_[cell].nearest = std::min(cells_[cell].nearest, range);
+  }
+  std::size_t occupied() const { return occupied_; }
+  /// Whether a point lies far behind the nearest one in its direction; nullopt where there are too few of them.
+  std::optional<bool> is_hidden(const CloudView& cloud, std::size_t i) const {
+    constexpr std::size_t kFewestPoints = 4;
+    constexpr float kBehind = 1.5F;  // A surface that is seen at a small angle does not reach so far within a cell.
+    const auto [cell, range] = place(cloud, i);
+    if (cells_[cell].points < kFewestPoints) return std::nullopt;
+    return range > kBehind * cells_[cell].nearest;
+  }
+
+ private:
+  struct Cell {
+    std::size_t points = 0;
+    float nearest = HUGE_VALF;
+  };
+  struct Place {
+    std::size_t cell;
+    float range;
+  };
+
+  Place place(const CloudView& cloud, std::size_t i) const {
+    const std::array<float, 3> p{cloud.x[i], cloud.y[i], cloud.z[i]};
+    std::size_t main = 0;
+    for (std::size_t axis = 1; axis < 3; ++axis) main = std::abs(p[axis]) > std::abs(p[main]) ? axis : main;
+    const auto step = [&](float across) {
+      const float along = (across / std::abs(p[main]) + 1) * 0.5F * static_cast<float>(edge_);
+      return static_cast<std::size_t>(std::clamp(static_cast<int>(along), 0, edge_ - 1));
+    };
+    const std::size_t face = 2 * main + (p[main] < 0 ? 1 : 0), row = step(p[(main + 1) % 3]),
+                      column = step(p[(main + 2) % 3]);
+    const auto edge = static_cast<std::size_t>(edge_);
+    return {(face * edge + row) * edge + column, std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])};
+  }
+
+  const int edge_;
+  std::vector<Cell> cells_;
+  std::size_t occupied_ = 0;
+};
 
 }  // namespace
 
@@ -272,8 +333,32 @@ bool has_pixel_values(const CloudView& cloud, const Extent& extent, StopCheck& c
 bool has_ring_values(const CloudView& cloud, StopCheck& check) {
   constexpr std::size_t kLeastSize = 24;
   constexpr double kShare = 0.95;
-  const auto rings = clusters_of(cloud, check, [&](std::size_t i) { return elevation(cloud, i); });
+  const auto rings = clusters_of(cloud, check, [&](std::size_t i) { return sine_of_elevation(cloud, i); });
   return are_filled(rings, kLeastSize, kShare) && !are_circles(cloud, check, rings);
+}
+
+bool hide_one_another(const CloudView& cloud, StopCheck& check) {
+  constexpr std::size_t kPointsOfCell = 12;  // in the mean, so that the nearest surface has one of them
+  constexpr int kFinest = 256, kCoarsest = 8;
+  constexpr double kShare = 0.1;
+  for (int edge = kFinest; edge >= kCoarsest; edge /= 2) {
+    DirectionCells cells(edge);
+    std::size_t points = 0, known = 0, hidden = 0;
+    check.for_each(0, cloud.size(), [&](std::size_t i) {
+      if (!is_point(cloud, i)) return;
+      cells.add(cloud, i);
+      ++points;
+    });
+    if (points < kPointsOfCell * cells.occupied()) continue;
+    check.for_each(0, cloud.size(), [&](std::size_t i) {
+      if (!is_point(cloud, i)) return;
+      const auto is_hidden = cells.is_hidden(cloud, i);
+      known += is_hidden ? 1U : 0U;
+      hidden += is_hidden.value_or(false) ? 1U : 0U;
+    });
+    return static_cast<double>(hidden) > kShare * static_cast<double>(known);
+  }
+  return false;
 }
 
 bool has_horizontal_plane(const CloudView& cloud, const Extent& extent, StopCheck& check) {

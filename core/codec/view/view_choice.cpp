@@ -95,6 +95,9 @@ ViewChoice by_entry(const CloudView& cloud, const ViewEvidence& evidence, const 
   if (is_below(cloud, extent, check)) {
     return no_sensor(fmt::format("its {} is the default, below the points", evidence.entry));
   }
+  if (hide_one_another(cloud, check)) {
+    return no_sensor(fmt::format("its {} is the default, from where the points hide one another", evidence.entry));
+  }
   return world(Eigen::Vector3d::Zero(), fmt::format("its {}, from where it can have seen the points", evidence.entry));
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/codec/view/view_choice.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -161,6 +162,43 @@ Cloud raster() {
     }
   }
   return cloud;
+}
+
+/// The inner surfaces of a room of 5 m x 4 m x 2.5 m, and a box in it. Its corner is at the origin, moved aside.
+Cloud room(float aside_x = 0, float aside_y = 0) {
+  Cloud cloud;
+  std::mt19937 random(3);
+  const auto share = [&random] { return static_cast<float>(random() % 100'000) / 100'000; };
+  const auto add_box = [&](float x, float y, float width, float depth, float height, int points) {
+    for (int i = 0; i < points; ++i) {
+      std::array<float, 3> p{share(), share(), share()};
+      p[random() % 3] = random() % 2 == 0 ? 0.0F : 1.0F;
+      add(cloud, aside_x + x + width * p[0], aside_y + y + depth * p[1], height * p[2]);
+    }
+  };
+  add_box(0, 0, 5, 4, 2.5F, 60'000);
+  add_box(2, 1, 0.6F, 0.6F, 1, 4'000);
+  cloud.width = static_cast<std::uint32_t>(cloud.x.size());
+  cloud.height = 1;
+  return cloud;
+}
+
+TEST(ViewChoice, ARoomWithItsCornerAtTheOriginIsNoSweep) { EXPECT_FALSE(choose(room()).sensor); }
+
+TEST(ViewChoice, WhereThePointsHideOneAnotherIsNoSensor) {
+  const ViewChoice aside = choose(room(2, -9), viewpoint(0, 0, 0));
+  EXPECT_FALSE(aside.sensor);
+  EXPECT_THAT(aside.rule, HasSubstr("hide one another"));
+  // A sensor there sees the floor, and two walls behind it.
+  Cloud seen;
+  const Cloud all = room(2, -9);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool is_far_wall = all.y[i] < -8.999F || all.x[i] > 6.999F;
+    if (is_far_wall || all.z[i] < 0.001F) add(seen, all.x[i], all.y[i], all.z[i] - 1);
+  }
+  seen.width = static_cast<std::uint32_t>(seen.x.size());
+  seen.height = 1;
+  EXPECT_EQ(choose(seen, viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0));
 }
 
 TEST(ViewChoice, ARasterOfHeightsIsNoCamera) {
