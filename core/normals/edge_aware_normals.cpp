@@ -55,7 +55,7 @@ absl::Status fit_neighborhood_normals(const FrameContext& frame, const VoxelGrid
     const std::uint32_t last = groups.end[-1].voxels.first + groups.end[-1].voxels.count;
     turn_to_sensors(frame, grid, groups.begin->voxels.first, last, normals);
   }));
-  return frame.view().has_sensor() ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
+  return frame.view().has_sensor() ? absl::OkStatus() : orient_as_seen(frame, grid, adjacency, normals);
 }
 
 absl::Status refine_normals(const FrameContext& frame, const RefinementOptions& options, Neighborhoods& neighborhoods,

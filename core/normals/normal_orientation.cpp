@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/normals/normal_orientation.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 #include <queue>
@@ -98,6 +99,39 @@ class Propagation {
   std::priority_queue<Step, std::vector<Step>, std::greater<>> frontier_;
 };
 
+Vec3 sum_of(const std::vector<Vec3>& normals, const std::vector<std::uint32_t>& component, StopCheck& check) {
+  Vec3 sum;
+  check.for_each(0, component.size(), [&](std::size_t i) { sum += normals[component[i]]; });
+  return sum;
+}
+
+bool points_upwards(const Vec3& sum) { return std::tie(sum.z, sum.y, sum.x) >= std::make_tuple(0.0, 0.0, 0.0); }
+
+/// Whether floor and ceiling, or top and bottom, cancel one another, so that the sum of the normals tells no side.
+bool is_closed(const std::vector<std::uint32_t>& component, const Vec3& sum_of_normals) {
+  constexpr std::size_t kFewest = 100;
+  constexpr double kShare = 0.1;
+  return component.size() >= kFewest && std::fabs(sum_of_normals.z) < kShare * static_cast<double>(component.size());
+}
+
+/// Whether the normals of a closed component point to where it is seen from: the inside of a room, the outside of a
+/// thing.
+bool faces_where_it_is_seen(const VoxelGrid& grid, const std::vector<Vec3>& normals,
+                            const std::vector<std::uint32_t>& component, StopCheck& check) {
+  constexpr double kSmallestRoom = 2.5;  // its diagonal, meters
+  Vec3 low = grid.centroid[component[0]], high = low;
+  check.for_each(0, component.size(), [&](std::size_t i) {
+    const Vec3& p = grid.centroid[component[i]];
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  });
+  const Vec3 middle = 0.5 * (low + high);
+  double outwards = 0;
+  check.for_each(0, component.size(),
+                 [&](std::size_t i) { outwards += dot(grid.centroid[component[i]] - middle, normals[component[i]]); });
+  return (outwards > 0) != (norm(high - low) > kSmallestRoom);
+}
+
 }  // namespace
 
 Vec3 sensor_of(const View& view) {
@@ -119,14 +153,21 @@ void turn_to_sensors(const FrameContext& frame, const VoxelGrid& grid, std::size
   }
 }
 
-absl::Status orient_consistently(const FrameContext& frame, const VoxelAdjacency& adjacency,
-                                 std::vector<Vec3>& normals) {
+absl::Status orient_upwards(const FrameContext& frame, const VoxelAdjacency& adjacency, std::vector<Vec3>& normals) {
+  StopCheck check(frame.stop);
+  Propagation propagation(adjacency, std::vector<bool>(normals.size(), false), check, normals);
+  propagation.orient_the_rest(
+      [&](const std::vector<std::uint32_t>& component) { return points_upwards(sum_of(normals, component, check)); });
+  return check.status();
+}
+
+absl::Status orient_as_seen(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                            std::vector<Vec3>& normals) {
   StopCheck check(frame.stop);
   Propagation propagation(adjacency, std::vector<bool>(normals.size(), false), check, normals);
   propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
-    Vec3 sum;
-    check.for_each(0, component.size(), [&](std::size_t i) { sum += normals[component[i]]; });
-    return std::tie(sum.z, sum.y, sum.x) >= std::make_tuple(0.0, 0.0, 0.0);
+    const Vec3 sum = sum_of(normals, component, check);
+    return is_closed(component, sum) ? faces_where_it_is_seen(grid, normals, component, check) : points_upwards(sum);
   });
   return check.status();
 }

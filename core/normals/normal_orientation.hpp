@@ -32,8 +32,12 @@ void turn_to_sensors(const FrameContext& frame, const VoxelGrid& grid, std::size
 /// Makes normals (V) consistent in a view without a sensor. Along a minimum spanning tree that prefers parallel normals
 /// (Hoppe et al. 1992), each normal takes the side of its parent, and each connected component points upwards (+z) on
 /// the whole. CANCELLED, DEADLINE_EXCEEDED.
-absl::Status orient_consistently(const FrameContext& frame, const VoxelAdjacency& adjacency,
-                                 std::vector<Vec3>& normals);
+absl::Status orient_upwards(const FrameContext& frame, const VoxelAdjacency& adjacency, std::vector<Vec3>& normals);
+
+/// The same, but where floor and ceiling cancel one another, as in a closed room, a component points to the inside of
+/// what is as large as a room, and to the outside of smaller things.
+absl::Status orient_as_seen(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
+                            std::vector<Vec3>& normals);
 
 /// Corrects normals (V) of a WORLD view that were turned to its sensor. A cloud that is fused from many views has one
 /// sensor position all the same, from which not every surface can have been seen. A normal keeps its side where the

@@ -31,7 +31,7 @@ absl::Status TwoRingNormals::run(const FrameContext& frame, const VoxelGrid& gri
     kernels.fit_planes(first, last, rows, centroid_.data(), rings_.data(), normals.data());
     turn_to_sensors(frame, grid, first, last, normals);
   }));
-  return frame.view().has_sensor() ? absl::OkStatus() : orient_consistently(frame, adjacency, normals);
+  return frame.view().has_sensor() ? absl::OkStatus() : orient_upwards(frame, adjacency, normals);
 }
 
 }  // namespace segserve

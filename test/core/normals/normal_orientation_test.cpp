@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
+#include <random>
+#include <vector>
 
 #include "core/lab/synth/scene.hpp"
 #include "core/normals/two_ring_normals.hpp"
@@ -51,6 +54,48 @@ Cloud board() {
     }
   }
   return cloud;
+}
+
+/// The surface of a box along turned axes, around the origin, meters; with random points, so that no side has more by
+/// design.
+Cloud closed_box(float width, float depth, float height, float yaw) {
+  Cloud cloud = test::unorganized(View::world());
+  std::mt19937 random(11);
+  const auto share = [&random] { return static_cast<float>(random() % 100'000) / 100'000 - 0.5F; };
+  for (int i = 0; i < 120'000; ++i) {
+    std::array<float, 3> p{share(), share(), share()};
+    p[random() % 3] = random() % 2 == 0 ? -0.5F : 0.5F;
+    const float x = width * p[0], y = depth * p[1];
+    test::add(cloud, std::cos(yaw) * x - std::sin(yaw) * y, std::sin(yaw) * x + std::cos(yaw) * y, height * p[2], 0);
+  }
+  return cloud;
+}
+
+/// The share of the normals by orient_as_seen that point away from the middle.
+double outward_share(const Cloud& cloud, double voxel) {
+  const test::TestFrame frame(cloud, {.voxel_resolution = voxel});
+  VoxelGrid grid;
+  VoxelAdjacency adjacency;
+  std::vector<Vec3> normals;
+  EXPECT_TRUE(Voxelization().run(frame, grid).ok());
+  EXPECT_TRUE(find_adjacency(frame, grid, adjacency).ok());
+  EXPECT_TRUE(TwoRingNormals().run(frame, grid, adjacency, normals).ok());
+  EXPECT_TRUE(orient_as_seen(frame, grid, adjacency, normals).ok());
+  double outward = 0;
+  for (std::size_t v = 0; v < grid.size(); ++v) outward += dot(grid.centroid[v], normals[v]) > 0 ? 1 : 0;
+  return outward / static_cast<double>(grid.size());
+}
+
+TEST(OrientAsSeen, TheWallsOfAClosedRoomFaceItsInside) {
+  for (const float yaw : {0.0F, 0.3F, 0.7F, 1.1F, 2.0F}) {
+    EXPECT_LT(outward_share(closed_box(5, 4, 2.5F, yaw), 0.05), 0.02) << yaw;
+  }
+}
+
+TEST(OrientAsSeen, TheSidesOfAThingFaceItsOutside) {
+  for (const float yaw : {0.0F, 0.3F, 0.7F, 1.1F, 2.0F}) {
+    EXPECT_GT(outward_share(closed_box(0.5F, 0.4F, 0.25F, yaw), 0.005), 0.98) << yaw;
+  }
 }
 
 TEST(OrientHiddenNormals, TurnsTheUndersideOfABoardDown) {
