@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/stop_check.hpp"
+#include "core/voxels/island_links.hpp"
 #include "core/voxels/voxel_links.hpp"
 
 namespace segserve {
@@ -134,6 +135,14 @@ absl::Status bridge_components(const FrameContext& frame, const VoxelGrid& grid,
     });
     // Components are united after the search, so that the bridges do not depend on the order of the voxels.
     check.for_each(first, bridges.size(), [&](std::size_t i) { components.unite(bridges[i].from, bridges[i].to); });
+  }
+  if (frame.view().kind == ViewKind::kCamera) {
+    std::vector<IslandVoxel> islands;
+    check.for_each(0, in_small.size(), [&](std::size_t i) {
+      const std::uint32_t component = components.of(in_small[i]);
+      if (is_small(component)) islands.push_back({in_small[i], component});
+    });
+    link_islands_by_depth(grid, islands, check, bridges);
   }
   if (!bridges.empty() && !check.stopped()) add_links(bridges, check, adjacency);
   return check.status();

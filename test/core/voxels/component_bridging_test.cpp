@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdlib>
+#include <map>
 #include <set>
 
 #include "core/voxels/voxelization.hpp"
@@ -139,6 +140,35 @@ TEST(ComponentBridging, StopsWhenAsked) {
   const std::atomic<bool> cancelled = true;
   const test::TestFrame frame(cloud, {.voxel_resolution = kVoxel}, StopToken(&cancelled));
   EXPECT_EQ(bridge_components(frame, b.grid, {}, b.after).code(), absl::StatusCode::kCancelled);
+}
+
+/// Two walls before a camera, one 0.5 m behind the other, and pixels that fly between them at their common edge.
+Cloud walls_with_flying_pixels() {
+  Cloud cloud = test::unorganized(View::camera());
+  for (int v = -40; v <= 40; ++v) {
+    for (int u = -40; u <= 40; ++u) {
+      const float z = u == 0 && v % 7 == 0 ? 1.2F + 0.01F * static_cast<float>(v % 5) : u < 0 ? 1.0F : 1.5F;
+      test::add(cloud, 0.005F * static_cast<float>(u) * z, 0.005F * static_cast<float>(v) * z, z, 0);
+    }
+  }
+  return cloud;
+}
+
+TEST(ComponentBridging, FlyingPixelsJoinWhatIsNearestInDepth) {
+  const Bridged b = bridged(walls_with_flying_pixels());
+  const std::vector<std::uint32_t> before = components(b.before), after = components(b.after);
+  std::map<std::uint32_t, std::size_t> sizes;
+  for (const std::uint32_t component : after) ++sizes[component];
+  EXPECT_EQ(sizes.size(), 2U);  // The walls stay apart.
+  std::size_t flying = 0;
+  for (std::uint32_t v = 0; v < b.grid.size(); ++v) {
+    const double z = b.grid.centroid[v].z;
+    if (z < 1.1 || z > 1.4) continue;
+    ++flying;
+    ASSERT_EQ(b.after.of(v).size(), 1U);
+    EXPECT_LT(b.grid.centroid[b.after.of(v)[0]].z, 1.1) << "the nearer wall is less far away";
+  }
+  EXPECT_GE(flying, 10U);
 }
 
 }  // namespace
