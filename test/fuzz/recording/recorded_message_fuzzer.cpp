@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "client/recording/images/recorded_color.hpp"
@@ -24,12 +25,20 @@ void read_cloud(MessageEncoding encoding, std::string_view bytes) {
   if (labeled.ok() && labeled->data.size() != labeled->layout.bytes()) std::abort();
 }
 
+absl::StatusOr<codec::ColorImage> color_of(const RawImage& image) { return decode_color(image, kLimits); }
+
+absl::StatusOr<codec::ColorImage> color_of(const CompressedImage& image) {
+  auto color = decode_color(image, kLimits, {});
+  if (!color.ok()) return color.status();
+  return std::move(color->image);
+}
+
 template <typename Image>
 void read_image(const absl::StatusOr<Image>& image) {
   if (!image.ok()) return;
   const auto depth = decode_depth(*image, kLimits, {});
   if (depth.ok() && depth->meters.size() != depth->size.pixels()) std::abort();
-  const auto color = decode_color(*image, kLimits);
+  const auto color = color_of(*image);
   if (color.ok() && color->rgb.size() != 3 * color->size.pixels()) std::abort();
 }
 
