@@ -4,12 +4,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/status_macros.hpp"
+#include "core/codec/common/spacing_search.hpp"
 #include "core/codec/common/unit_guess.hpp"
 
 namespace segserve::codec {
@@ -77,6 +81,23 @@ Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, co
   return is_far ? offset : Eigen::Vector3d::Zero();
 }
 
+/// Warns of a file whose floats of 32 bits are too coarse for points that are so far away.
+void warn_of_rounding(const std::array<Column, 3>& columns, double scale, StopCheck& check, LabeledCloud& out) {
+  double step = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (columns[axis].type != ScalarType::kFloat32) continue;
+    const auto typical = static_cast<float>(std::abs(out.placement.offset[static_cast<Eigen::Index>(axis)]));
+    const auto next = std::bit_cast<float>(std::bit_cast<std::uint32_t>(typical) + 1);
+    step = std::max(step, scale * (static_cast<double>(next) - typical));
+  }
+  const auto spacing = step > 0 ? point_spacing(out.cloud, check) : std::nullopt;
+  if (!spacing || step <= *spacing / 4) return;
+  out.warnings.push_back({WarningReason::kCoordinatesRounded,
+                          fmt::format("the coordinates are rounded to {:.2g} m, because the file has them as floats of "
+                                      "4 bytes so far from 0; save them as doubles, or near 0",
+                                      step)});
+}
+
 void keep_position(const std::array<Column, 3>& columns, bool are_floats, StopCheck& check, LabeledCloud& out) {
   if (are_floats && out.placement.is_identity()) return;  // The cloud has them.
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -135,6 +156,7 @@ absl::Status read_positions(const std::array<Column, 3>& columns, bool are_float
       const double offset = placement.offset[static_cast<Eigen::Index>(axis)];
       if (offset != 0) read_axis(columns[axis], scale, offset, check, *planes[axis]);
     }
+    if (!placement.offset.isZero(0)) warn_of_rounding(columns, scale, check, out);
   }
   const bool is_at_origin = choice.sensor && choice.sensor->isZero(0);
   if (is_at_origin) drop_zeros(check, out);

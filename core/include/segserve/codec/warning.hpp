@@ -21,7 +21,9 @@ enum class WarningReason : std::uint8_t {
   kUnitGuessed,       ///< the unit of the coordinates was guessed, as asked for
   kImageDamaged,      ///< bytes of an image are damaged or missing
   kColorMissing,      ///< points that the color image does not show
-  kOther,             ///< a reason that this version does not know
+  /// coordinates so far from 0 that floats of 32 bits, which the file has, are coarse beside the distance of the points
+  kCoordinatesRounded,
+  kOther,  ///< a reason that this version does not know
 };
 
 /// "COLOR_NOT_USED" and so on, for programs.

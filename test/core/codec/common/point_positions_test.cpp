@@ -40,6 +40,24 @@ TEST(PointPositions, CoordinatesFarAwayStayExact) {
   EXPECT_EQ(read_cloud.placement.to_file({0, 0.5, 0.25}), Eigen::Vector3d(389425, 5819321.5, 112.25));
 }
 
+TEST(PointPositions, FloatsThatAreCoarseFarAwayAreMentioned) {
+  const auto line_at = [](float x, float step) {
+    std::array<std::vector<float>, 3> axes;
+    for (int i = 0; i < 50; ++i) {
+      axes[0].push_back(x + step * static_cast<float>(i));
+      axes[1].push_back(0);
+      axes[2].push_back(0);
+    }
+    return read(axes, ScalarType::kFloat32);
+  };
+  const LabeledCloud coarse = line_at(5819321, 0.1F);
+  ASSERT_EQ(coarse.warnings.size(), 1U);
+  EXPECT_EQ(coarse.warnings[0].reason, WarningReason::kCoordinatesRounded);
+  EXPECT_THAT(coarse.warnings[0].message, HasSubstr("rounded to 0.5 m"));
+  EXPECT_EQ(line_at(5819321, 4).warnings.size(), 0U) << "fine beside the distance of the points";
+  EXPECT_EQ(line_at(1000, 0.01F).warnings.size(), 0U);
+}
+
 TEST(PointPositions, AFewPointsFarAwayMoveNothing) {
   const LabeledCloud near = read<float>({{{0, 1, 2, 1e9F}, {0, 1, 2, 0}, {-1, 0, 1, 0}}}, ScalarType::kFloat32);
   EXPECT_TRUE(near.placement.is_identity());
