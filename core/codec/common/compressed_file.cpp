@@ -18,6 +18,14 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 constexpr std::string_view kGzipMagic = "\x1f\x8b"sv, kZstdMagic = "\x28\xb5\x2f\xfd"sv;
+/// Whether a frame of zstd begins here; the first byte of a frame to skip tells how it is used.
+bool is_zstd_frame(std::string_view bytes) {
+  constexpr std::string_view kSkippable = "\x2a\x4d\x18"sv;  // behind a first byte of 0x50 to 0x5f
+  if (bytes.starts_with(kZstdMagic)) return true;
+  return bytes.size() >= 4 && (static_cast<unsigned char>(bytes[0]) & 0xF0U) == 0x50 &&
+         bytes.substr(1).starts_with(kSkippable);
+}
+
 constexpr std::size_t kPiece = std::size_t{1} << 18U;
 constexpr std::size_t kBytesPerUnit = 16;  // of work, see WorkMeter
 
@@ -134,7 +142,7 @@ absl::StatusOr<std::vector<std::byte>> unzstd(std::span<const std::byte> file, c
     if (ZSTD_isError(hint) != 0U) return damage("zstd", ZSTD_getErrorName(hint));
     RETURN_IF_ERROR(out.take(piece.pos, check));
     if (hint == 0) {
-      if (!as_text(file.subspan(in.pos)).starts_with(kZstdMagic)) break;
+      if (!is_zstd_frame(as_text(file.subspan(in.pos)))) break;
     } else if (in.pos == before && piece.pos == 0) {
       return damage("zstd", "the file ends too early");
     }
@@ -147,7 +155,7 @@ absl::StatusOr<std::vector<std::byte>> unzstd(std::span<const std::byte> file, c
 
 std::optional<Compression> compression_of(std::string_view file) {
   if (file.starts_with(kGzipMagic)) return Compression::kGzip;
-  if (file.starts_with(kZstdMagic)) return Compression::kZstd;
+  if (is_zstd_frame(file)) return Compression::kZstd;
   return std::nullopt;
 }
 

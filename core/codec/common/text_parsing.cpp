@@ -41,17 +41,19 @@ char line_end(std::string_view text) {
   return is_alone ? '\r' : '\n';
 }
 
-/// The number that Microsoft's C library writes as 1.#QNAN, 1.#SNAN, 1.#IND or 1.#INF, also with zeros behind it.
+/// The number that Microsoft's C library writes as 1.#QNAN, 1.#SNAN, 1.#IND or 1.#INF, also with zeros behind it. With
+/// few decimals it rounds the letters as if they were digits, so that NaN becomes 1.#R, 1.#J or 1.#IO.
 template <typename T>
 std::optional<T> microsoft_number(std::string_view word) {
   const bool is_negative = word.starts_with('-');
   if (is_negative) word.remove_prefix(1);
   if (!word.starts_with("1.#")) return std::nullopt;
   word.remove_prefix(3);
-  if (word.starts_with("QNAN") || word.starts_with("SNAN") || word.starts_with("IND")) {
-    return std::numeric_limits<T>::quiet_NaN();
+  if (!word.starts_with("INF")) {
+    constexpr std::string_view kRounded = "IJQRS";  // how the words for NaN begin, as numbers rounded to a few decimals
+    const bool is_nan = !word.empty() && kRounded.find(word[0]) != std::string_view::npos;
+    return is_nan ? std::optional(std::numeric_limits<T>::quiet_NaN()) : std::nullopt;
   }
-  if (!word.starts_with("INF")) return std::nullopt;
   return is_negative ? -std::numeric_limits<T>::infinity() : std::numeric_limits<T>::infinity();
 }
 

@@ -25,11 +25,14 @@ constexpr std::string_view kImage =
     "parts depth and color, and the parameter intrinsics";
 constexpr std::string_view kMesh = "sample points on the mesh, or save its vertices as PLY";
 constexpr std::string_view kSave = "save its points as PLY or CSV";
+constexpr std::string_view kDownload =
+    "open it in an editor or browser to see what it says, and download the file again";
+constexpr std::string_view kSmallPly = "the first line must be ply in small letters";
 constexpr std::string_view kUtf8 = "save it as UTF-8, for example by iconv -f UTF-16 -t UTF-8";
 constexpr std::string_view kReplay = "segctl segment FILE reads one recording, but not from standard input";
 constexpr std::string_view kRecording = "take the clouds out of it, or record them as MCAP, which segctl segment reads";
 
-constexpr std::array<KnownFormat, 24> kFormats{{
+constexpr std::array<KnownFormat, 32> kFormats{{
     {"ASTM-E57"sv, "E57", kPdal},
     {"\x1f\x8b"sv, "gzip within a compressed file", kUnpack},
     {"\x28\xb5\x2f\xfd"sv, "zstd within a compressed file", kUnpack},
@@ -37,6 +40,14 @@ constexpr std::array<KnownFormat, 24> kFormats{{
      "7zXZ\0"sv,
      "xz", kUnpack},
     {"BZh"sv, "bzip2", kUnpack},
+    {"\x04\x22\x4d\x18"sv, "lz4", kUnpack},
+    {"version https://git-lfs"sv, "a pointer of Git LFS instead of the file", "git lfs pull fetches the file"},
+    {"<!DOCTYPE"sv, "a page in HTML, perhaps of a failed download", kDownload},
+    {"<!doctype"sv, "a page in HTML, perhaps of a failed download", kDownload},
+    {"<html"sv, "a page in HTML, perhaps of a failed download", kDownload},
+    {"<HTML"sv, "a page in HTML, perhaps of a failed download", kDownload},
+    {"PLY\n"sv, "PLY in capitals", kSmallPly},
+    {"PLY\r\n"sv, "PLY in capitals", kSmallPly},
     {"\x89MCAP0\r\n"sv, "MCAP", kReplay},
     {"#ROSBAG V"sv, "a ROS bag", kReplay},
     {"SQLite format 3\0"sv, "a SQLite file, as ROS 2 records", kRecording},

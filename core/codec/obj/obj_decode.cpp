@@ -35,10 +35,12 @@ bool parse_double(std::string_view word, double& value) {
   return parse_scalar(word, ScalarType::kFloat64, reinterpret_cast<std::byte*>(&value));
 }
 
-/// The vertices of a file: six numbers each, with color 0 if they have none. The normals, if they are wanted.
+/// The vertices of a file: six numbers each, with color 0 if they have none. An alpha behind the color is left out. The
+/// normals, if they are wanted.
 class Vertices {
  public:
   static constexpr std::size_t kNumbers = 6;
+  static constexpr std::size_t kMostNumbers = 7;
 
   explicit Vertices(bool keep_normals) : keep_normals_(keep_normals) {}
 
@@ -98,14 +100,15 @@ class Vertices {
     std::array<double, kNumbers> numbers{};
     std::size_t count = 0;
     for (std::string_view word = take_word(words); !word.empty(); word = take_word(words), ++count) {
-      if (count == kNumbers) return fault("line {}: a vertex has at most {} numbers", line, kNumbers);
-      if (!parse_double(word, numbers[count])) {
+      if (count == kMostNumbers) return fault("line {}: a vertex has at most {} numbers", line, kMostNumbers);
+      double unused = 0;  // the alpha behind a color
+      if (!parse_double(word, count < kNumbers ? numbers[count] : unused)) {
         return fault("line {}: {} is not a number of a vertex", line, quoted(word));
       }
     }
-    if (count < 3 || count == 5) return fault("line {}: a vertex has 3, 4 or 6 numbers, not {}", line, count);
+    if (count < 3 || count == 5) return fault("line {}: a vertex has 3, 4, 6 or 7 numbers, not {}", line, count);
     if (count == 4) numbers[3] = 0;  // the weight of a curve's point
-    if (count == kNumbers) ++colored_;
+    if (count >= kNumbers) ++colored_;
     values_.insert(values_.end(), numbers.begin(), numbers.end());
     return absl::OkStatus();
   }

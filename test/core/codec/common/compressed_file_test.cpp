@@ -45,6 +45,18 @@ TEST(CompressedFile, FilesOfOneAndOfSeveralMembersAreRead) {
   }
 }
 
+TEST(CompressedFile, FramesOfZstdToSkipAreSkipped) {
+  const std::string skipped = "\x50\x2a\x4d\x18" + std::string("\4\0\0\0", 4) + "what";
+  const std::string last = "\x5f\x2a\x4d\x18" + std::string("\2\0\0\0", 4) + "so";
+  for (const std::string& file :
+       {skipped + zstd("1 2 3\n"), zstd("1 2 3\n") + last, skipped + zstd("1 2 ") + last + zstd("3\n")}) {
+    const auto cloud = decode_cloud(bytes_of(file), {});
+    ASSERT_TRUE(cloud.ok()) << cloud.status();
+    EXPECT_EQ(cloud->cloud.size(), 1U);
+    EXPECT_TRUE(cloud->warnings.empty());
+  }
+}
+
 TEST(CompressedFile, WhatFollowsIsMentionedUnlessItIsZeros) {
   for (const auto& pack : {gzip, zstd}) {
     const auto padded = decode_cloud(bytes_of(pack("1 2 3\n") + std::string(9, '\0')), {});

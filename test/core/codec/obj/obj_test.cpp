@@ -46,6 +46,14 @@ TEST(Obj, NormalsAreKeptIfEachVertexHasOne) {
   EXPECT_THAT(mesh->warnings[0].message, HasSubstr("2 vertices have 1 of them"));
 }
 
+TEST(Obj, AnAlphaBehindTheColorIsLeftOut) {
+  const auto cloud = decode_cloud(bytes_of("v 1 2 3 1.0 0.5 0 1\nv 4 5 6 0 0 1 0.5\n"), {});
+  ASSERT_TRUE(cloud.ok()) << cloud.status();
+  EXPECT_THAT(cloud->cloud.z, ElementsAre(3, 6));
+  EXPECT_THAT(cloud->cloud.rgb, ElementsAre(pack_rgb(255, 128, 0), pack_rgb(0, 0, 255)));
+  EXPECT_TRUE(cloud->warnings.empty());
+}
+
 TEST(Obj, WhatIsNotUsedIsMentioned) {
   const auto cloud = decode_cloud(bytes_of("v 1 2 3 1 1 1\nv 4 5 6\nv 4 5 6 1\nwhatever 5\n"), {});
   ASSERT_TRUE(cloud.ok()) << cloud.status();
@@ -59,9 +67,9 @@ TEST(Obj, WhatIsNotUsedIsMentioned) {
 
 TEST(Obj, EachFaultNamesItsLine) {
   expect_fault(decode_cloud(bytes_of("v 1 2 3\nv 1 2\n"), {}).status(),
-               "line 2: a vertex has 3, 4 or 6 numbers, not 2");
+               "line 2: a vertex has 3, 4, 6 or 7 numbers, not 2");
   expect_fault(decode_cloud(bytes_of("v 1 2 3\nv 1 b 3\n"), {}).status(), "line 2: 'b' is not a number of a vertex");
-  expect_fault(decode_cloud(bytes_of("v 1 2 3 4 5 6 7\n"), {}).status(), "line 1: a vertex has at most 6 numbers");
+  expect_fault(decode_cloud(bytes_of("v 1 2 3 4 5 6 7 8\n"), {}).status(), "line 1: a vertex has at most 7 numbers");
   expect_over_limit(decode_cloud(bytes_of(kCube), {.max_points = 1}).status(), "max_points", "2 points exceed");
 }
 

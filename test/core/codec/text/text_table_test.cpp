@@ -109,6 +109,15 @@ TEST(TextTable, UnknownPositionsAndFarOnesAreKept) {
   EXPECT_EQ(cloud.file_position[0][1], 500000.125);
 }
 
+TEST(TextTable, NumbersThatMicrosoftRoundsAreRead) {
+  for (const std::string_view word : {"-1.#J", "1.#R", "-1.#IO", "1.#IND00", "1.#QNAN", "1.#SNAN", "1.#S", "1.#Q"}) {
+    const LabeledCloud cloud = read("0 0 0\n" + std::string(word) + " 2 3\n");
+    EXPECT_TRUE(std::isnan(cloud.cloud.x[1])) << word;
+  }
+  EXPECT_TRUE(std::isinf(read("x y z t\n0 0 0 1\n1 1 1.#INF 2\n").cloud.z[1]));
+  expect_fault(decode_text_table(bytes_of("1 2 3\n1.#X 2 3\n"), {}).status(), "'1.#X' is not a value");
+}
+
 TEST(TextTable, ACommentTellsTheView) {
   EXPECT_EQ(read("# segserve view world 1 2 3\nx,y,z\n1,2,3\n").cloud.view, View::world(1, 2, 3));
   EXPECT_EQ(read("//segserve view camera\n//x y z\n1 2 3\n").cloud.view, View::camera());
