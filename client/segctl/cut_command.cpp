@@ -103,7 +103,7 @@ absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, Staged
   client::Result& result = saved.result;
   ASSIGN_OR_RETURN(const auto scene,
                    load_segmented_cloud(arguments.cloud_path, saved, input_name(arguments.result_path)));
-  RETURN_IF_ERROR(arguments.scene_output.add(output, scene, result.segmentation.labels));
+  RETURN_IF_ERROR(arguments.scene_output.add(output, scene, result.segmentation.labels, result.warnings));
   RETURN_IF_ERROR(arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output));
   RETURN_IF_ERROR(arguments.dendrogram.add(output, result, &scene, arguments.scene_output));
   if (!arguments.segments) return absl::OkStatus();

@@ -68,18 +68,22 @@ void RecordingReport::add_result(const client::Result& result) {
   }
 }
 
-std::vector<std::string> RecordingReport::warning_lines(const std::vector<codec::Warning>& warnings,
-                                                        bool with_frames) const {
+std::string RecordingReport::json_lines(const std::vector<codec::Warning>& warnings) const {
+  if (warnings.empty()) return lines_;
+  const nlohmann::ordered_json json = {
+      {"input", input_}, {"topic", topic_.name}, {"warnings", warnings_json(warnings)}};
+  return lines_ + json_text(json);
+}
+
+std::vector<std::string> RecordingReport::warning_lines() const {
   std::vector<std::string> lines;
-  for (const codec::Warning& warning : warnings) lines.push_back(warning.message);
-  if (!with_frames) return lines;
   for (const auto& [message, frames] : of_frames_) {
     lines.push_back(fmt::format("{} ({} frame{})", message, frames, frames == 1 ? "" : "s"));
   }
   return lines;
 }
 
-std::string RecordingReport::text(const std::vector<codec::Warning>& warnings) const {
+std::string RecordingReport::text() const {
   std::string text = fmt::format("{}, {}: {} frames segmented, {} failed", input_, topic_.name, segmented_, failed_);
   if (segmented_ > 0) {
     const auto mean = [this](std::uint64_t sum) { return static_cast<double>(sum) / static_cast<double>(segmented_); };
@@ -88,15 +92,18 @@ std::string RecordingReport::text(const std::vector<codec::Warning>& warnings) c
     text += fmt::format("\nfirst frame: {}", view_rule_);
   }
   text += "\n";
-  for (const std::string& line : warning_lines(warnings, true)) text += fmt::format("warning: {}\n", line);
+  for (const std::string& line : warning_lines()) text += fmt::format("warning: {}\n", line);
   return text;
 }
 
-void RecordingReport::print_warnings(const std::vector<codec::Warning>& warnings, bool with_frames) const {
-  for (const std::string& line : warning_lines(warnings, with_frames)) print_warning(line);
+void RecordingReport::print_warnings_of_frames() const {
+  for (const std::string& line : warning_lines()) print_warning(line);
 }
 
-absl::Status RecordingReport::status() const {
+absl::Status RecordingReport::status(const std::vector<codec::Warning>& warnings) const {
+  if (frames() == 0 && !warnings.empty()) {
+    return absl::InvalidArgumentError(fmt::format("{}: it has no frame of {} that could be read", input_, topic_.name));
+  }
   if (failed_ == 0) return absl::OkStatus();
   const std::string message = fmt::format("{} of {} frames failed; {}", failed_, frames(), first_failure_);
   return all_are_bad_input_ ? absl::InvalidArgumentError(message) : absl::UnavailableError(message);

@@ -30,23 +30,23 @@ class RecordingReport {
   void add(const client::TopicFrame& frame, const absl::StatusOr<client::Result>& result);
   std::size_t frames() const { return segmented_ + failed_; }
 
-  /// One JSON object a frame, each on a line.
-  const std::string& json_lines() const { return lines_; }
-  /// A few lines for people. `warnings` are those of the recording as a whole.
-  std::string text(const std::vector<codec::Warning>& warnings) const;
-  /// Writes a line on standard error for each kind of warning. Those of frames may be left out, because json_lines()
-  /// has them.
-  void print_warnings(const std::vector<codec::Warning>& warnings, bool with_frames) const;
+  /// One JSON object a frame, each on a line, and one with the warnings of the recording as a whole if there are some.
+  std::string json_lines(const std::vector<codec::Warning>& warnings) const;
+  /// A few lines for people, with the warnings of frames.
+  std::string text() const;
+  /// Writes a line on standard error for each kind of warning of frames.
+  void print_warnings_of_frames() const;
   /// Whether a frame was segmented without a server.
   bool in_this_process() const { return in_this_process_; }
-  /// OK if no frame failed; else tells how many, and why the first of them did.
-  absl::Status status() const;
+  /// OK if no frame failed; else tells how many, and why the first of them did. INVALID_ARGUMENT if the recording has
+  /// no frame, and warnings that may tell why.
+  absl::Status status(const std::vector<codec::Warning>& warnings) const;
 
  private:
   void add_line(const client::TopicFrame& frame, const absl::StatusOr<client::Result>& result);
   void add_failure(const client::TopicFrame& frame, const absl::Status& status);
   void add_result(const client::Result& result);
-  std::vector<std::string> warning_lines(const std::vector<codec::Warning>& warnings, bool with_frames) const;
+  std::vector<std::string> warning_lines() const;
 
   std::string input_;
   client::TopicInfo topic_;

@@ -192,11 +192,19 @@ std::string SceneOutput::encode_pcd(const codec::LabeledCloud& scene, std::span<
 
 absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
                               std::span<const std::uint32_t> labels) const {
+  std::vector<codec::Warning> warnings;
+  RETURN_IF_ERROR(add(output, scene, labels, warnings));
+  for (const codec::Warning& warning : warnings) print_warning(warning.message);
+  return absl::OkStatus();
+}
+
+absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
+                              std::span<const std::uint32_t> labels, std::vector<codec::Warning>& warnings) const {
   if (!cloud_path_.empty()) {
     auto file = encode(scene, labels, *format_of(cloud_path_));
     if (!file.ok()) return with_prefix(cloud_path_, file.status());
     for (const codec::Warning& warning : file->warnings) {
-      print_warning(fmt::format("{}: {}", cloud_path_, warning.message));
+      warnings.push_back({warning.reason, fmt::format("{}: {}", cloud_path_, warning.message)});
     }
     output.add(cloud_path_, std::move(file->bytes));
   }

@@ -44,7 +44,10 @@ class SceneOutput {
   std::string encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// Adds the files that the flags ask for. `labels` has one entry per point. The scene has everything that its file
-  /// had. Prints a warning of what the format of the cloud cannot hold.
+  /// had. What the format of the cloud cannot hold is added to `warnings`.
+  absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
+                   std::vector<codec::Warning>& warnings) const;
+  /// The same, with the warnings on standard error.
   absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// How the flags ask pictures of this scene to be drawn. INVALID_ARGUMENT for a position that is none.

@@ -56,7 +56,9 @@ void SegmentArguments::add_to(CLI::App& app) {
       ->group("Output");
   app.add_flag("--segments", segments, "tell points, centroid, box, mean color and normal of every segment in JSON")
       ->group("Output");
-  json.add_to(app, "write the summary as JSON: one object, or a line for each file or frame of many");
+  json.add_to(app,
+              "write the summary as JSON: one object, or a line for each file or frame of many, and a last one with "
+              "warnings of a recording as a whole");
   CLI::Option* out_dir_flag = app.add_option("--out-dir", out_dir,
                                              "for many files: write DIR/NAME.pcd, labeled, and DIR/NAME.json of each, "
                                              "unless they are there and of the same options; with --cameras only "

@@ -243,11 +243,12 @@ absl::Status add_clouds_of_cameras(const SegmentArguments& arguments, const Job&
   return absl::OkStatus();
 }
 
-absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const client::Result& result, double call_ms,
+absl::Status write_outputs(const SegmentArguments& arguments, Job& job, client::Result& result, double call_ms,
                            StagedOutput& output) {
+  std::vector<codec::Warning> of_output;
   if (arguments.scene_output.wanted() || arguments.split_output.wanted()) {
     const std::vector<std::uint32_t>& labels = result.selection ? result.selection->labels : result.segmentation.labels;
-    RETURN_IF_ERROR(arguments.scene_output.add(output, *job.scene, labels));
+    RETURN_IF_ERROR(arguments.scene_output.add(output, *job.scene, labels, of_output));
     RETURN_IF_ERROR(arguments.split_output.add(output, *job.scene, labels, arguments.scene_output));
   }
   if (job.rig && !arguments.out_dir.empty()) RETURN_IF_ERROR(add_clouds_of_cameras(arguments, job, result, output));
@@ -258,6 +259,8 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, const cl
     ASSIGN_OR_RETURN(auto bytes, client::encode_result_file(result, client::fingerprint(job.scene->cloud)));
     output.add(arguments.result_path, std::move(bytes));
   }
+  // A saved result is without these: it may be written in another format.
+  result.warnings.insert(result.warnings.end(), of_output.begin(), of_output.end());
   Summary summary{.result = result,
                   .input = job.input,
                   .server = result.in_this_process ? "" : arguments.server.address(),

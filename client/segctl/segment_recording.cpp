@@ -8,6 +8,7 @@
 
 #include "client/recording/topic/frame_reader.hpp"
 #include "client/segctl/frame_segmentation.hpp"
+#include "client/segctl/messages.hpp"
 #include "client/segctl/output_folder.hpp"
 #include "client/segctl/progress_bar.hpp"
 #include "client/segctl/recording_output.hpp"
@@ -147,15 +148,17 @@ absl::Status RecordingRun::finish_output() {
 }
 
 absl::Status RecordingRun::report() {
-  arguments_.json.add(staged_, report_->json_lines());
+  const std::vector<codec::Warning>& warnings = reader_->warnings();
+  arguments_.json.add(staged_, report_->json_lines(warnings));
   if (report_->in_this_process() && !arguments_.local) warn_of_fallback(arguments_.server.address());
+  for (const codec::Warning& warning : warnings) print_warning(fmt::format("{}: {}", input_, warning.message));
   if (!arguments_.quiet && !staged_.uses_stdout()) {
-    staged_.add("-", report_->text(reader_->warnings()));
-  } else if (!arguments_.quiet) {
-    report_->print_warnings(reader_->warnings(), !arguments_.json.given());
+    staged_.add("-", report_->text());
+  } else if (!arguments_.quiet && !arguments_.json.given()) {
+    report_->print_warnings_of_frames();
   }
   RETURN_IF_ERROR(staged_.commit());
-  return report_->status();
+  return report_->status(warnings);
 }
 
 absl::Status RecordingRun::run() {

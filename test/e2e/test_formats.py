@@ -112,6 +112,18 @@ class Formats(EndToEnd):
         self.assertIn("Python objects", self.run_badly(BAD_INPUT, "segment", out, "--local"))
 
     @unittest.skipUnless(LAS.is_dir(), "there are no LAS files of others")
+    def test_what_a_format_cannot_hold_is_told_in_json(self):
+        points, colors = two_boxes()
+        scene = self.path("one-is-unknown.csv")
+        scene.write_text("x,y,z,intensity\nnan,nan,nan,5\n" + "".join("{},{},{},5\n".format(*p) for p in points))
+        for name in ("out.las", "out.glb"):
+            out = self.path(name)
+            done = self.run_well("segment", scene, "--local", "-o", out, "-q", "--json", "-")
+            warnings = json.loads(done.stdout)["warnings"]
+            self.assertTrue(warnings and all(str(out) in w["message"] for w in warnings), warnings)
+            done = segctl("segment", scene, "--local", "-o", out, "-q")
+            self.assertEqual(done.stderr.decode().count(str(out)), len(warnings), done.stderr)
+
     def test_las_files_of_others(self):
         out = self.path("out.las")
         for name in ("1.2-with-color.las", "test1_4.las", "spec_3.las"):

@@ -5,7 +5,7 @@ import json
 import struct
 import unittest
 
-from harness import BAD_INPUT, FAILED, EndToEnd, segctl
+from harness import BAD_INPUT, FAILED, EndToEnd, SUCCESS, segctl
 import pcd
 import png
 import recordings
@@ -122,9 +122,34 @@ class Recording(RecordingTest):
         cut = self.path("cut.mcap")
         cut.write_bytes(run.read_bytes()[:run.stat().st_size // 2])
         labeled = self.path("labeled.mcap")
-        done = self.run_well("segment", cut, "--local", "-o", labeled)
-        self.assertIn("as after a crash", done.stdout.decode())
+        done = segctl("segment", cut, "--local", "-o", labeled)
+        self.assertEqual(done.returncode, SUCCESS, done)
+        self.assertIn("as after a crash", done.stderr.decode())
         self.assertGreater(len(recordings.read(labeled)["messages"]), 0)
+
+    def test_json_tells_that_a_recording_is_cut_off(self):
+        run = self.record(*[self.scene(1)[1]] * 3)
+        cut = self.path("cut.mcap")
+        cut.write_bytes(run.read_bytes()[:run.stat().st_size // 2])
+        done = segctl("segment", cut, "--local", "-q", "--json", "-")
+        self.assertEqual(done.returncode, SUCCESS, done)
+        *frames, last = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertGreater(len(frames), 0)
+        self.assertTrue(all("frame" in line for line in frames))
+        self.assertEqual(list(last), ["input", "topic", "warnings"])
+        self.assertIn("as after a crash", last["warnings"][0]["message"])
+        self.assertIn("as after a crash", done.stderr.decode())
+        self.assertEqual(done.stderr.count(b"\n"), 1)
+
+    def test_a_recording_without_a_whole_frame_is_bad_input(self):
+        run = self.record(self.scene(1)[1], chunks=False)
+        whole = run.read_bytes()
+        cut = self.path("cut.mcap")
+        cut.write_bytes(whole[:len(whole) // 2])
+        done = segctl("segment", cut, "--local", "-q", "--json", "-")
+        self.assertEqual(done.returncode, BAD_INPUT, done)
+        self.assertIn("as after a crash", done.stderr.decode())
+        self.assertIn("warnings", json.loads(done.stdout.splitlines()[-1]))
 
     def test_a_recording_is_replayed_with_its_own_timing(self):
         frame = self.scene(1)[1]
