@@ -55,8 +55,8 @@ struct LasHeader {
 bool is_las(std::string_view file);
 
 /// Parses the header of a LAS file of version 1.0 to 1.4. INVALID_ARGUMENT names what is wrong, or that the file is
-/// LAZ. Warns of points that the file promises and does not hold, or holds and does not promise, and of damaged variable
-/// length records.
+/// LAZ. Warns of points that the file promises and does not hold, or holds and does not promise, and of damaged
+/// variable length records.
 absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits);
 
 }  // namespace segserve::codec

@@ -49,7 +49,8 @@ TEST(PointColumns, TheValuesTellWhatFullIntensityIs) {
 
 TEST(PointColumns, OneFieldMayHaveAllChannels) {
   const std::vector<std::array<float, 4>> values{{1, 0.5, 0, 1}, {0, 0, 1, 1}};
-  PointTable table{.fields = {{"x"}, {"rgba", ScalarType::kFloat32, 4}}, .roles = {}, .width = 2, .height = 1, .column = {}};
+  PointTable table{
+      .fields = {{"x"}, {"rgba", ScalarType::kFloat32, 4}}, .roles = {}, .width = 2, .height = 1, .column = {}};
   table.roles.position = {0, 0, 0};
   table.roles.color_vector = 1;
   table.column = [&](std::size_t) {
