@@ -73,8 +73,7 @@ absl::Status find_color(const std::vector<Field>& fields, const FieldNames& name
       roles.packed = found;
       return absl::OkStatus();
     }
-    const bool is_vector = field.count == 3 || field.count == 4;
-    if (is_vector && !vector) vector = found;
+    if (field.count == 3 && !vector) vector = found;  // Of 4 numbers the order is not known: RGBA, BGRA or ARGB.
   }
   for (const ColorNames& wanted : kColorNames) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted.names));
@@ -96,7 +95,7 @@ void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& n
   if (unused.empty()) return;
   warnings.push_back({WarningReason::kColorNotUsed,
                       fmt::format("the cloud has no color: {} cannot be used; rgb or rgba can, as one number of 4 or 8 "
-                                  "bytes or as 3 or 4 numbers, or r g b, or red green blue",
+                                  "bytes or as 3 numbers, or r g b, or red green blue",
                                   fmt::join(unused, ", "))});
 }
 

@@ -37,7 +37,7 @@ struct FieldRoles {
   std::array<std::size_t, 3> position{};               ///< x, y, z
   std::optional<std::size_t> packed;                   ///< color as 0xAARRGGBB
   std::optional<std::array<std::size_t, 3>> channels;  ///< color as red, green and blue
-  std::optional<std::size_t> color_vector;             ///< color as one field of red, green, blue, and perhaps alpha
+  std::optional<std::size_t> color_vector;             ///< color as one field of red, green and blue
   ChannelKind channel_kind = ChannelKind::kIntensity;
   std::optional<std::size_t> label;
 
@@ -48,7 +48,7 @@ struct FieldRoles {
 
 /// Finds what the fields are by the names that programs give them, in any case; a name in the usual case comes first.
 ///  - position: x, y, z
-///  - color: rgb or rgba, packed in a number of 4 or 8 bytes, or 3 or 4 numbers; or else r g b, red green blue,
+///  - color: rgb or rgba, packed in a number of 4 or 8 bytes, or 3 numbers; or else r g b, red green blue,
 ///  diffuse_red .., color_r .., f_dc_0 f_dc_1
 ///    f_dc_2
 ///  - label: label, scalar_Label

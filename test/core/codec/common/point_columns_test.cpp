@@ -48,9 +48,9 @@ TEST(PointColumns, TheValuesTellWhatFullIntensityIs) {
 }
 
 TEST(PointColumns, OneFieldMayHaveAllChannels) {
-  const std::vector<std::array<float, 4>> values{{1, 0.5, 0, 1}, {0, 0, 1, 1}};
+  const std::vector<std::array<float, 3>> values{{1, 0.5, 0}, {0, 0, 1}};
   PointTable table{
-      .fields = {{"x"}, {"rgba", ScalarType::kFloat32, 4}}, .roles = {}, .width = 2, .height = 1, .column = {}};
+      .fields = {{"x"}, {"rgb", ScalarType::kFloat32, 3}}, .roles = {}, .width = 2, .height = 1, .column = {}};
   table.roles.position = {0, 0, 0};
   table.roles.color_vector = 1;
   table.column = [&](std::size_t) {
