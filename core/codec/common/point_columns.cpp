@@ -13,7 +13,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
-#include "core/codec/common/packed_color.hpp"
+#include "core/codec/common/packed_color_column.hpp"
 #include "core/codec/common/point_positions.hpp"
 #include "core/codec/common/text_parsing.hpp"
 

@@ -148,7 +148,7 @@ bool is_cloud_file(const std::string& path) {
   if (!file) return true;  // Reading it tells why.
   std::string begin(kEnough, '\0');
   begin.resize(std::fread(begin.data(), 1, begin.size(), file.get()));
-  if (!is_scan) return is_text_table(begin);
+  if (!is_scan) return table_kind(begin) == TableKind::kPoints;
   std::error_code error;
   const std::uint64_t size = std::filesystem::file_size(path, error);
   return !error && is_lidar_scan(begin, size);

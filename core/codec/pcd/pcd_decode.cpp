@@ -14,7 +14,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
-#include "core/codec/common/text_rows.hpp"
+#include "core/codec/common/typed_rows.hpp"
 #include "core/codec/pcd/pcd_header.hpp"
 #include "segserve/codec/pcd.hpp"
 
@@ -64,7 +64,7 @@ struct Slot {
 
 /// The rows of a text body.
 struct TextBody {
-  TextRows rows;
+  TypedRows rows;
   std::vector<Slot> slots;           ///< in the order of the words
   std::size_t words = 0;             ///< number of words in a line
   std::set<std::size_t> needed;      ///< the fields that cannot be left out, unlike labels

@@ -13,7 +13,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/surplus_lines.hpp"
 #include "core/codec/common/text_parsing.hpp"
-#include "core/codec/common/text_rows.hpp"
+#include "core/codec/common/typed_rows.hpp"
 #include "core/codec/ply/ply_header.hpp"
 #include "segserve/codec/ply.hpp"
 
@@ -108,7 +108,7 @@ class BinaryValues {
 /// Walks over the values of a text body, which has a line for each row.
 class TextValues {
  public:
-  using Rows = TextRows;
+  using Rows = TypedRows;
   TextValues(std::string_view body, std::size_t first_line)
       : lines_(without_byte_order_mark(body), first_line), bytes_(body.size()) {}
 
@@ -128,7 +128,7 @@ class TextValues {
     const std::string_view word = take_word(line_.text);
     return word.empty() || explain(fmt::format("{} is one value too many", quoted(word)));
   }
-  bool scalar(const PlyProperty& property, std::size_t field, std::size_t row, TextRows* rows) {
+  bool scalar(const PlyProperty& property, std::size_t field, std::size_t row, TypedRows* rows) {
     const std::string_view word = take_word(line_.text);
     if (word.empty()) return explain(fmt::format("the value of '{}' is missing", property.name));
     if (rows == nullptr || rows->put(row, field, 0, word)) return true;

@@ -38,7 +38,7 @@ absl::Status TextRows::read(std::string_view file, StopCheck& check) {
     RETURN_IF_ERROR(read_row(*line));
     ++points_;
     RETURN_IF_ERROR(check_points(kPrefix, points_, limits_));
-    const std::size_t bytes = start_.columns * sizeof(double) + integers_.size() * sizeof(std::int64_t);
+    const std::size_t bytes = start_.columns * sizeof(double) + integers_.size() * sizeof(std::uint64_t);
     RETURN_IF_ERROR(check_decoded_points(kPrefix, points_, bytes, limits_));
   }
   return absl::OkStatus();
@@ -46,7 +46,9 @@ absl::Status TextRows::read(std::string_view file, StopCheck& check) {
 
 Column TextRows::column(std::size_t i) const {
   if (const auto found = integers_.find(i); found != integers_.end()) {
-    return {reinterpret_cast<const std::byte*>(found->second.data()), sizeof(std::int64_t), ScalarType::kInt64};
+    const Integers& integers = found->second;
+    return {reinterpret_cast<const std::byte*>(integers.bits.data()), sizeof(std::uint64_t),
+            integers.has_unsigned ? ScalarType::kUint64 : ScalarType::kInt64};
   }
   return {reinterpret_cast<const std::byte*>(values_.data() + i), start_.columns * sizeof(double),
           ScalarType::kFloat64};
@@ -99,32 +101,44 @@ absl::Status TextRows::take_word_without_number(std::size_t line, std::string_vi
   return absl::OkStatus();
 }
 
-/// Keeps the value of a column that has, or now gets, integers beyond 2^53.
-void TextRows::keep_integer(std::size_t column, std::string_view cell, double value) {
-  const bool is_begun = integers_.contains(column);
-  if (rounded_.contains(column) || unreadable_.contains(column)) return;
-  if (!is_begun && (std::abs(value) < kExactIntegers || !is_digits(cell))) return;
-  std::int64_t integer = 0;
-  const bool is_integer =
-      is_digits(cell) && parse_scalar(cell, ScalarType::kInt64, reinterpret_cast<std::byte*>(&integer));
-  if (is_integer && (is_begun || begin_integers(column))) {
-    integers_[column].push_back(integer);
+bool TextRows::Integers::add(std::string_view cell) {
+  if (!is_digits(cell)) return false;
+  std::uint64_t value = 0;
+  auto* const bytes = reinterpret_cast<std::byte*>(&value);
+  if (parse_scalar(cell, ScalarType::kInt64, bytes)) {
+    has_negative = has_negative || cell.starts_with('-');
+  } else if (parse_scalar(cell, ScalarType::kUint64, bytes)) {
+    has_unsigned = true;
   } else {
-    integers_.erase(column);
-    rounded_.insert(column);
+    return false;
   }
+  bits.push_back(value);
+  return !(has_negative && has_unsigned);
 }
 
-/// Begins to keep a column as integers. Returns false if one of its values up to here is none.
-bool TextRows::begin_integers(std::size_t column) {
-  std::vector<std::int64_t> integers;
+/// Keeps the value of a column that has, or now gets, integers beyond 2^53.
+void TextRows::keep_integer(std::size_t column, std::string_view cell, double value) {
+  if (rounded_.contains(column) || unreadable_.contains(column)) return;
+  if (!integers_.contains(column)) {
+    if (std::abs(value) < kExactIntegers || !is_digits(cell)) return;
+    if (auto begun = integers_so_far(column)) integers_.emplace(column, *std::move(begun));
+  }
+  const auto found = integers_.find(column);
+  if (found != integers_.end() && found->second.add(cell)) return;
+  integers_.erase(column);
+  rounded_.insert(column);
+}
+
+/// The values of a column up to here; nullopt if one of them is no integer.
+std::optional<TextRows::Integers> TextRows::integers_so_far(std::size_t column) const {
+  Integers integers;
   for (std::size_t point = 0; point < points_; ++point) {
     const double value = values_[point * start_.columns + column];
-    if (!(std::abs(value) < kExactIntegers) || value != std::trunc(value)) return false;
-    integers.push_back(static_cast<std::int64_t>(value));
+    if (!(std::abs(value) < kExactIntegers) || value != std::trunc(value)) return std::nullopt;
+    integers.bits.push_back(static_cast<std::uint64_t>(static_cast<std::int64_t>(value)));
+    integers.has_negative = integers.has_negative || value < 0;
   }
-  integers_.emplace(column, std::move(integers));
-  return true;
+  return integers;
 }
 
 }  // namespace segserve::codec

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -35,9 +36,7 @@ class TextRows {
   const std::map<std::size_t, std::string>& unreadable() const { return unreadable_; }
   /// Columns in which integers beyond 2^53 are not exact.
   const std::set<std::size_t>& rounded() const { return rounded_; }
-  ScalarType type(std::size_t column) const {
-    return integers_.contains(column) ? ScalarType::kInt64 : ScalarType::kFloat64;
-  }
+  ScalarType type(std::size_t i) const { return column(i).type; }
   Column column(std::size_t i) const;
 
  private:
@@ -45,8 +44,17 @@ class TextRows {
   std::string name_of(std::size_t column) const;
   absl::Status read_row(const LineReader::Line& line);
   absl::Status take_word_without_number(std::size_t line, std::string_view cell, std::size_t column);
+  /// The values of a column of integers, as 64 bits each.
+  struct Integers {
+    std::vector<std::uint64_t> bits;
+    bool has_negative = false, has_unsigned = false;  ///< values below 0, and values beyond those of a sign
+
+    /// Adds the integer of a cell. Returns false if it is none, or if no type holds it and those before it.
+    bool add(std::string_view cell);
+  };
+
   void keep_integer(std::size_t column, std::string_view cell, double value);
-  bool begin_integers(std::size_t column);
+  std::optional<Integers> integers_so_far(std::size_t column) const;
 
   const TextStart& start_;
   const DecodeLimits& limits_;
@@ -54,7 +62,7 @@ class TextRows {
   std::size_t points_ = 0;
   std::uint64_t promised_;
   std::map<std::size_t, std::string> unreadable_;
-  std::map<std::size_t, std::vector<std::int64_t>> integers_;  // all values of columns with integers beyond 2^53
+  std::map<std::size_t, Integers> integers_;  // columns with integers beyond 2^53
   std::set<std::size_t> rounded_;
 };
 

@@ -141,27 +141,32 @@ std::optional<std::string_view> text_comment(std::string_view line) {
 
 absl::StatusOr<TextStart> find_text_start(std::string_view file) { return StartFinder(file).run(); }
 
-bool is_text_table(std::string_view file) {
+TableKind table_kind(std::string_view file) {
   constexpr std::size_t kEnough = std::size_t{1} << 16U;
   LineReader lines(without_byte_order_mark(file.substr(0, kEnough)));
   bool has_count = false, has_names = false;
   while (const auto line = lines.next()) {
     if (is_blank(line->text) || text_comment(line->text) || is_separator_line(line->text)) continue;
     const std::string_view begin = line->text.substr(0, kMostHeaderFields);
-    if (has_names) return numbers_in(begin) >= 3;
+    if (has_names) return numbers_in(begin) >= 3 ? TableKind::kNoPoints : TableKind::kNone;
     if (is_count(line->text)) {
-      if (std::exchange(has_count, true)) return true;  // PTX, which find_text_start names
+      if (std::exchange(has_count, true)) return TableKind::kPoints;  // PTX, which find_text_start names
       continue;
     }
-    if (is_row_without_names(begin)) return split_cells(begin, separator_of(begin)).size() >= 3;
+    if (is_row_without_names(begin)) {
+      return split_cells(begin, separator_of(begin)).size() >= 3 ? TableKind::kPoints : TableKind::kNone;
+    }
     const ColumnNames names = column_names(begin);
-    if (names.names.size() == 1 || is_pcd_entry(begin)) return false;
-    if (names.position()) return true;
+    if (names.names.size() == 1 || is_pcd_entry(begin)) return TableKind::kNone;
+    if (names.position()) return TableKind::kPoints;
     // Names that find_text_start does not know are those of a table if numbers follow.
-    if (names.names.size() < 3) return false;
+    const auto is_number = [](const std::string& name) { return parse_number(name).has_value(); };
+    if (names.names.size() < 3 || std::ranges::any_of(names.names, is_number)) return TableKind::kNone;
     has_names = true;
   }
-  return false;
+  return TableKind::kNone;
 }
+
+bool is_text_table(std::string_view file) { return table_kind(file) != TableKind::kNone; }
 
 }  // namespace segserve::codec

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,8 +17,15 @@
 // Tables of numbers in text: XYZ, PTS, CSV and their like.
 namespace segserve::codec {
 
-/// Whether a text is a table with a point in each line: whether its first line that is no comment consists of numbers,
-/// or is a count with such a line behind it, or names columns, x, y and z among them.
+/// What a text is, by its first lines.
+enum class TableKind : std::uint8_t {
+  kNone,
+  kPoints,    ///< numbers, a count with numbers behind it, or names of columns, x, y and z among them
+  kNoPoints,  ///< other names of columns with numbers behind them: a table, but x, y and z are not known
+};
+TableKind table_kind(std::string_view file);
+
+/// Whether a text is a table of any kind. decode_text_table tells what is wrong with one that has no points.
 bool is_text_table(std::string_view file);
 
 /// Decodes a table. Cells are separated by spaces, tabs, commas, semicolons or bars, which the first rows tell. Lines

@@ -89,7 +89,9 @@ TEST_F(CloudFile, FaultsNameTheFile) {
 TEST_F(CloudFile, NotesAreNoCloud) {
   std::ofstream(path("notes.txt")) << "what was scanned, and where";
   std::ofstream(path("points.TXT")) << "x y z\n1 2 3\n";
+  std::ofstream(path("poses.txt")) << "time tx ty tz qx qy qz qw\n0 1 2 3 0 0 0 1\n";
   EXPECT_FALSE(is_cloud_file(path("notes.txt")));
+  EXPECT_FALSE(is_cloud_file(path("poses.txt")));
   EXPECT_TRUE(is_cloud_file(path("points.TXT")));
   EXPECT_TRUE(is_cloud_file(path("a.las.gz")));
   EXPECT_FALSE(is_cloud_file(path("a.json")));

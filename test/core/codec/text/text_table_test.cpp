@@ -226,6 +226,7 @@ TEST(TextTable, NamesOfOtherProgramsAreKnown) {
   }
   EXPECT_TRUE(is_text_table("a,b,c\n1,2,3\n"));  // so that the fault is about the names
   EXPECT_FALSE(is_text_table("some,words,here\nand,no,number\n"));
+  EXPECT_FALSE(is_text_table("f 1 2 3\nf 4 5 6\n"));
   EXPECT_FALSE(is_text_table("SIZE 4 4 4\nCOUNT 1 1 1\n"));
 }
 
@@ -249,10 +250,20 @@ TEST(TextTable, LargeIntegersStayExact) {
   EXPECT_THAT(cloud.warnings, IsEmpty());
 }
 
+TEST(TextTable, LargeIntegersMayHaveNoSign) {
+  const LabeledCloud cloud = read("x,y,z,hash\n1,2,3,5\n1,2,3,18446744073709551615\n1,2,3,9007199254740993\n");
+  ASSERT_EQ(cloud.attributes.size(), 1U);
+  ASSERT_EQ(cloud.attributes[0].type, ScalarType::kUint64);
+  std::vector<std::uint64_t> values(3);
+  std::memcpy(values.data(), cloud.attributes[0].values.data(), 3 * sizeof(std::uint64_t));
+  EXPECT_THAT(values, ElementsAre(5U, 18446744073709551615U, 9007199254740993U));
+  EXPECT_THAT(cloud.warnings, IsEmpty());
+}
+
 TEST(TextTable, LargeIntegersAmongOtherNumbersAreRoundedWithAWarning) {
   for (const std::string_view file :
        {"x,y,z,t\n1,2,3,0.5\n1,2,3,1700000000123456789\n", "x,y,z,t\n1,2,3,1700000000123456789\n1,2,3,\n",
-        "x,y,z,t\n1,2,3,99999999999999999999\n"}) {
+        "x,y,z,t\n1,2,3,99999999999999999999\n", "x,y,z,t\n1,2,3,-5\n1,2,3,18446744073709551615\n"}) {
     const LabeledCloud cloud = read(file);
     ASSERT_EQ(cloud.warnings.size(), 1U) << file;
     EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/codec/common/packed_color.hpp"
+#include "core/codec/common/packed_color_column.hpp"
 
 #include <bit>
 #include <cmath>

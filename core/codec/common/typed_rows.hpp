@@ -14,7 +14,7 @@ namespace segserve::codec {
 /// The words of a text body as numbers. Text is unmistakable, so that a word is read as it is written, whatever type
 /// the header claims: coordinates as doubles, and integers in 64 bits, or as doubles as soon as one of the field has
 /// decimals or is nan. Only floats that are no coordinates have the type of the header.
-class TextRows {
+class TypedRows {
  public:
   /// Appends a field of `count` words in each row.
   void add_field(ScalarType declared, std::size_t count, bool is_coordinate);

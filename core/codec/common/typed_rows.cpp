@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "core/codec/common/text_rows.hpp"
+#include "core/codec/common/typed_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,19 +32,19 @@ bool holds(ScalarType type, double number) {
 
 }  // namespace
 
-void TextRows::add_field(ScalarType declared, std::size_t count, bool is_coordinate) {
+void TypedRows::add_field(ScalarType declared, std::size_t count, bool is_coordinate) {
   const ScalarType type = kept_type(declared, is_coordinate);
   fields_.push_back({bytes_, count, declared, type});
   bytes_ += count * size_of(type);
 }
 
-void TextRows::allocate(std::size_t rows) {
+void TypedRows::allocate(std::size_t rows) {
   rows_ = rows;
   data_ = std::make_unique_for_overwrite<std::byte[]>(rows * bytes_);  // Each byte is written before it is read.
 }
 
 /// Makes doubles of the field's integers before this one. Both have 8 bytes.
-void TextRows::widen(std::size_t row, TextField& field, std::size_t index) {
+void TypedRows::widen(std::size_t row, TextField& field, std::size_t index) {
   for (std::size_t i = 0; i <= row; ++i) {
     const std::size_t end = i < row ? field.count : index;
     for (std::size_t k = 0; k < end; ++k) {
@@ -57,7 +57,7 @@ void TextRows::widen(std::size_t row, TextField& field, std::size_t index) {
   field.type = ScalarType::kFloat64;
 }
 
-bool TextRows::put(std::size_t row, std::size_t index_of_field, std::size_t index, std::string_view word) {
+bool TypedRows::put(std::size_t row, std::size_t index_of_field, std::size_t index, std::string_view word) {
   TextField& field = fields_[index_of_field];
   std::byte* const value = place(row, field, index);
   if (parse_scalar(word, field.type, value)) return true;
@@ -73,7 +73,7 @@ bool TextRows::put(std::size_t row, std::size_t index_of_field, std::size_t inde
   return is_number;
 }
 
-ScalarType TextRows::fitting_type(std::size_t index_of_field, StopCheck& check) const {
+ScalarType TypedRows::fitting_type(std::size_t index_of_field, StopCheck& check) const {
   const TextField& field = fields_[index_of_field];
   bool fits = true;
   for (std::size_t k = 0; k < field.count; ++k) {
