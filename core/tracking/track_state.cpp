@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/tracking/rigid_check.hpp"
+#include "core/tracking/state_limits.hpp"
 #include "fmt/format.h"
 #include "segserve/tracking.hpp"
 
@@ -20,7 +21,7 @@ constexpr std::string_view kMagic = "SGTS";
 constexpr std::uint8_t kVersion = 1;
 enum Flag : std::uint8_t { kHasTime = 1, kHasPose = 2, kHasPlane = 4, kAllFlags = 7 };
 constexpr std::size_t kChecksumBytes = 8;
-constexpr double kFarthest = 1e9;  // meters, m/s and square meters
+using tracking::kFarthest;
 
 /// FNV-1a with 64 bits (Fowler, Noll, Vo). It finds damage, and is no proof of who made the bytes.
 std::uint64_t checksum(std::string_view bytes) {
@@ -125,8 +126,8 @@ absl::Status wrong(std::string_view what) { return absl::InvalidArgumentError(fm
 absl::Status check_track(const TrackState::Track& track, std::uint64_t next_id, std::uint64_t id_before) {
   const auto fault = [&](std::string_view what) { return wrong(fmt::format("track {} {}", track.id, what)); };
   if (track.id <= id_before || track.id >= next_id) return fault("is not above the track before and below the next id");
-  const bool are_places = are_numbers(track.center) && are_numbers(track.axes, 2) && are_numbers(track.half_extents) &&
-                          are_numbers(track.velocity);
+  const bool are_places = are_numbers(track.center) && are_numbers(track.axes, tracking::kLongestAxis) &&
+                          are_numbers(track.half_extents) && are_numbers(track.velocity);
   if (!are_places) return fault("has a number that is not finite or too large");
   const bool are_sizes = track.area > 0 && track.area <= kFarthest && track.step > 0 && track.step <= kFarthest &&
                          std::ranges::all_of(track.half_extents, [](float v) { return v >= 0; });

@@ -9,6 +9,7 @@
 #include "core/math/elementary.hpp"
 #include "core/math/symmetric_matrix3.hpp"
 #include "core/statistics/principal_axes.hpp"
+#include "core/tracking/state_limits.hpp"
 
 namespace segserve::tracking {
 namespace {
@@ -17,8 +18,10 @@ constexpr double kSteps = 32767;     // of a signature's place
 constexpr double kSmallest = 1e-6;   // meters: a step of 0 would be none
 constexpr double kDeviations = 2.5;  // half extents of a box at most, so that single supervoxels do not widen it
 
-std::array<float, 3> floats(const Vec3& v) {
-  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+/// Numbers of a state, which stay within its limits whatever the state before was.
+std::array<float, 3> floats(const Vec3& v, double most = kFarthest) {
+  const auto bounded = [most](double number) { return static_cast<float>(std::clamp(number, -most, most)); };
+  return {bounded(v.x), bounded(v.y), bounded(v.z)};
 }
 
 std::uint8_t to_byte(double channel) {
@@ -34,7 +37,7 @@ void set_places(std::span<const Vec3> offsets, TrackState::Track& track) {
   for (const Vec3& offset : offsets) reach = std::max(reach, largest(offset));
   // Rounded up, so that no place is beyond the last step.
   constexpr double kUp = 1.000001;
-  track.step = static_cast<float>(reach * kUp / kSteps);
+  track.step = static_cast<float>(std::min(reach * kUp / kSteps, kFarthest));
   const auto steps = [&](double meters) {
     const double exact = std::clamp(meters / static_cast<double>(track.step), -kSteps, kSteps);
     return static_cast<std::int16_t>(math::floor_to_int(exact + 0.5));
@@ -100,7 +103,8 @@ TrackState::Track carry_on(const TrackState::Track& before, const PredictedTrack
   TrackState::Track track = before;
   ++track.lost;
   track.center = floats(predicted.center);
-  const std::array<float, 3> first = floats(predicted.axes[0]), second = floats(predicted.axes[1]);
+  const std::array<float, 3> first = floats(predicted.axes[0], kLongestAxis);
+  const std::array<float, 3> second = floats(predicted.axes[1], kLongestAxis);
   std::ranges::copy(first, track.axes.begin());
   std::ranges::copy(second, track.axes.begin() + 3);
   track.velocity = floats(kSlowing * predicted.velocity);

@@ -280,6 +280,30 @@ TEST(Track, FollowsAtMostSoManyObjects) {
   EXPECT_THAT(follow(scene.segmentation(), first.state).events, IsEmpty());
 }
 
+TEST(Track, MakesStatesThatCanBeReadOfAnyState) {
+  // A state comes from the network, and may say anything within its limits.
+  for (const float far : {5e8F, 1e9F, -1e9F}) {
+    TrackState state = after(2);
+    ASSERT_EQ(state.tracks.size(), 3U);
+    state.tracks[0].center = {0.1F, 0, far};  // It is followed by its color and size, or carried on as lost.
+    state.tracks[1].velocity = {far, far, far};
+    state.tracks[2].axes = {2, 2, 2, -2, 2, 2};
+    state.tracks[2].step = 1e9F;
+    for (TrackState::Signature& signature : state.tracks[2].signatures) signature.place = {32767, -32767, 32767};
+    const auto read = TrackState::parse(state.bytes());
+    ASSERT_TRUE(read.ok()) << read.status();
+    TrackState next = *read;
+    TrackOptions options = at(0.2);
+    options.pose = RigidTransform{.rotation = Eigen::Matrix3d::Identity(), .translation = {0, 0, 1e8}};
+    for (int frame = 0; frame < 4; ++frame) {
+      *options.time += 0.1;
+      next = follow(frame == 1 ? HandMadeScene().segmentation() : three_rows().segmentation(), next, options).state;
+      const auto again = TrackState::parse(next.bytes());
+      ASSERT_TRUE(again.ok()) << again.status();
+    }
+  }
+}
+
 TEST(Track, NamesAllWrongOptions) {
   TrackOptions options;
   options.max_speed = -1;
