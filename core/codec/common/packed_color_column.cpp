@@ -26,6 +26,19 @@ bool are_packed_values(const Column& column, std::size_t points, StopCheck& chec
   return is_any && are_values;
 }
 
+/// The same for all of them. The first ones nearly always tell that they are not.
+bool all_are_packed_values(const Column& column, std::size_t points, StopCheck& check) {
+  for (std::size_t first = 64; first < points; first *= 64) {
+    bool is_any_other = false;
+    for_each_value(column, first, check, [&](std::size_t, auto value) {
+      const auto number = static_cast<double>(value);
+      is_any_other = is_any_other || (number != 0 && !std::isnan(number) && number < 1);
+    });
+    if (is_any_other) return false;
+  }
+  return are_packed_values(column, points, check);
+}
+
 /// The bits of a number that was widened to 8 bytes, or is a color by its value.
 template <typename T>
 std::optional<std::uint32_t> bits_of_value(T value) {
@@ -53,7 +66,7 @@ std::optional<std::uint32_t> bits_of_value(T value) {
 template <typename Function>
 void for_each_color(const Column& column, std::size_t points, StopCheck& check, Function function) {
   const bool is_narrow = size_of(column.type) == 4;
-  if (!is_narrow || (is_float(column.type) && are_packed_values(column, points, check))) {
+  if (!is_narrow || (is_float(column.type) && all_are_packed_values(column, points, check))) {
     for_each_value(column, points, check, [&](std::size_t i, auto value) { function(i, bits_of_value(value)); });
     return;
   }
@@ -64,14 +77,16 @@ void for_each_color(const Column& column, std::size_t points, StopCheck& check, 
 
 }  // namespace
 
-bool read_packed_color(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
+PackedColors read_packed_color(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out) {
   const bool can_be_missing = is_float(column.type);
-  bool are_colors = true;
+  PackedColors found;
   for_each_color(column, out.size(), check, [&](std::size_t i, std::optional<std::uint32_t> bits) {
-    are_colors = are_colors && bits.has_value();
-    out[i] = can_be_missing && bits == kNoColor ? 0 : bits.value_or(0) & kColorBits;
+    const bool is_missing = can_be_missing && bits == kNoColor;
+    found.are_colors = found.are_colors && bits.has_value();
+    found.some_are_missing = found.some_are_missing || is_missing;
+    out[i] = is_missing ? 0 : bits.value_or(0) & kColorBits;
   });
-  return are_colors;
+  return found;
 }
 
 MissingColors count_missing_colors(const Column& packed, const Cloud& cloud, StopCheck& check) {

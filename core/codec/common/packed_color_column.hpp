@@ -12,12 +12,18 @@
 // Colors that are packed into one number, 0xAARRGGBB.
 namespace segserve::codec {
 
+/// What read_packed_color has found.
+struct PackedColors {
+  bool are_colors = true;  ///< false if a number is no color; what was read means nothing then
+  bool some_are_missing = false;
+};
+
 /// Reads a packed color for each element of `out`. The low 32 bits of an integer of 4 bytes, and all of a float, are
 /// the color; floats all of which are whole numbers of 24 bits are the colors themselves, as some programs convert
 /// them. Numbers of 8 bytes, such as those of text, have the value that the 4 bytes of such an integer or float would
 /// have: whole numbers in 32 bits are integers, numbers as small or as large as the floats of colors are floats. The
-/// quiet NaN is no color, and becomes black. Returns false if a number is none of these; `out` means nothing then.
-bool read_packed_color(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out);
+/// quiet NaN is a missing color, and becomes black.
+PackedColors read_packed_color(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out);
 
 /// The points of a cloud without a packed color, among those that are there. The colors of others are NaN on purpose.
 struct MissingColors {

@@ -171,11 +171,13 @@ void read_label(const Column& column, std::size_t points, StopCheck& check, Labe
   out.warnings.push_back({WarningReason::kLabelNotUsed, fault});
 }
 
-void read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
+/// Returns whether some packed colors are missing.
+bool read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
   const FieldRoles& roles = table.roles;
   std::vector<std::uint32_t>& rgb = out.cloud.rgb;
   if (roles.packed) {
-    if (read_packed_color(table.column(*roles.packed), check, rgb)) return;
+    const PackedColors found = read_packed_color(table.column(*roles.packed), check, rgb);
+    if (found.are_colors) return found.some_are_missing;
     rgb.clear();
     out.warnings.push_back({WarningReason::kColorNotUsed,
                             fmt::format("the cloud has no color: some values of {} are no colors packed into 4 bytes",
@@ -192,6 +194,7 @@ void read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
     for (std::size_t k = 0; k < 3; ++k) columns[k].data += k * size_of(columns[k].type);
     read_channels(columns, roles.channel_kind, table.fields[*roles.color_vector].type, check, rgb, out.warnings);
   }
+  return false;
 }
 
 /// Copies the values of a field in its type, in little-endian order.
@@ -265,7 +268,7 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   out.cloud.width = table.width;
   out.cloud.height = table.height;
   StopCheck check(stop);
-  read_color(table, check, out);
+  const bool has_missing_colors = read_color(table, check, out);
   if (roles.label && !check.stopped()) read_label(table.column(*roles.label), table.points(), check, out);
   if (options.keep_everything) keep_attributes(table, check, out);
   const auto [x, y, z] = roles.position;
@@ -273,7 +276,7 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   const bool are_floats = is_of_floats(x) && is_of_floats(y) && is_of_floats(z);
   RETURN_IF_ERROR(
       read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, evidence, options, check, out));
-  if (roles.packed) warn_of_missing_colors(table.column(*roles.packed), out.cloud, check, out.warnings);
+  if (has_missing_colors) warn_of_missing_colors(table.column(*roles.packed), out.cloud, check, out.warnings);
   return check.status();
 }
 
