@@ -23,19 +23,20 @@ constexpr std::uint64_t kPointBytes = 12;
 constexpr double kMetersPerMillimeter = 0.001;
 constexpr std::size_t kCompressedDepthHeader = 12;
 
-float from_millimeters(std::uint16_t value) {
+float from_millimeters(std::uint16_t value, std::uint64_t& largest) {
   constexpr std::uint16_t kInvalid = 0xFFFF;
+  largest += value == kInvalid ? 1 : 0;
   if (value == 0 || value == kInvalid) return kNotMeasured;
   return static_cast<float>(value * kMetersPerMillimeter);
 }
 
 float from_meters(float value) { return std::isfinite(value) && value > 0 ? value : kNotMeasured; }
 
-/// Calls convert with the T of every pixel.
+/// Calls convert with the T of every pixel, and the image.
 template <typename T, typename Convert>
 absl::StatusOr<DepthImage> convert_pixels(const RawImage& image, const codec::DecodeLimits& limits,
                                           const StopToken& stop, Convert convert) {
-  DepthImage depth{{image.width, image.height}, {}};
+  DepthImage depth{.size = {image.width, image.height}, .meters = {}};
   RETURN_IF_ERROR(codec::check_image_size(depth.size, kPointBytes, limits));
   const std::uint64_t row_bytes = std::uint64_t{image.width} * sizeof(T);
   if (image.step < row_bytes || image.data.size() / std::max(1U, image.step) < image.height) {
@@ -50,7 +51,7 @@ absl::StatusOr<DepthImage> convert_pixels(const RawImage& image, const codec::De
   StopCheck check(stop);
   for (std::uint32_t row = 0; row < image.height && !check.after(image.width); ++row, bytes += image.step) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
-      *out++ = convert(codec::load<T>(bytes + std::size_t{column} * sizeof(T), order));
+      *out++ = convert(codec::load<T>(bytes + std::size_t{column} * sizeof(T), order), depth);
     }
   }
   RETURN_IF_ERROR(check.status());
@@ -68,12 +69,12 @@ absl::StatusOr<DepthImage> decode_png(std::string_view png, const std::optional<
   RETURN_IF_ERROR(codec::check_image_size(claimed, kPointBytes, limits));
   StopCheck check(stop);
   ASSIGN_OR_RETURN(const codec::GrayImage image, codec::decode_png_depth(png, limits, check));
-  DepthImage depth{image.size, std::vector<float>(image.pixels.size())};
+  DepthImage depth{.size = image.size, .meters = std::vector<float>(image.pixels.size())};
   check.for_each(0, image.pixels.size(), [&](std::size_t i) {
     const std::uint16_t pixel = image.pixels[i];
     const bool is_inverse = inverse && pixel != 0;
-    depth.meters[i] =
-        is_inverse ? from_meters(inverse->a / (static_cast<float>(pixel) - inverse->b)) : from_millimeters(pixel);
+    depth.meters[i] = is_inverse ? from_meters(inverse->a / (static_cast<float>(pixel) - inverse->b))
+                                 : from_millimeters(pixel, depth.largest);
   });
   RETURN_IF_ERROR(check.status());
   return depth;
@@ -84,9 +85,13 @@ absl::StatusOr<DepthImage> decode_png(std::string_view png, const std::optional<
 absl::StatusOr<DepthImage> decode_depth(const RawImage& image, const codec::DecodeLimits& limits,
                                         const StopToken& stop) {
   if (image.encoding == "16UC1" || image.encoding == "mono16") {
-    return convert_pixels<std::uint16_t>(image, limits, stop, from_millimeters);
+    return convert_pixels<std::uint16_t>(image, limits, stop, [](std::uint16_t value, DepthImage& depth) {
+      return from_millimeters(value, depth.largest);
+    });
   }
-  if (image.encoding == "32FC1") return convert_pixels<float>(image, limits, stop, from_meters);
+  if (image.encoding == "32FC1") {
+    return convert_pixels<float>(image, limits, stop, [](float value, DepthImage&) { return from_meters(value); });
+  }
   return absl::InvalidArgumentError(
       fmt::format("an image of encoding '{}' is no depth image; 16UC1, mono16 and 32FC1 are", image.encoding));
 }

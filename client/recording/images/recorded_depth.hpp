@@ -17,6 +17,7 @@ namespace segserve::recording {
 struct DepthImage {
   codec::ImageSize size;
   std::vector<float> meters;  ///< width * height, row by row; NaN: not measured
+  std::uint64_t largest = 0;  ///< pixels of 65535, which is no distance
 };
 
 /// Decodes 16UC1 and mono16 (millimeters; 0 and 65535: not measured) and 32FC1 (meters), as ROS's REP 118 says.

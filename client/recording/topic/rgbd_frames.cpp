@@ -103,6 +103,12 @@ absl::StatusOr<codec::LabeledCloud> make_cloud(const ImagePair& pair, const Dept
   ASSIGN_OR_RETURN(content.cloud, to_cloud(depth, intrinsics, stop));
   if (options.view) content.cloud.view = *options.view;
   content.view_rule = options.view ? given_view_rule(*options.view) : "CAMERA: images are seen by their camera";
+  if (depth.largest > 0) {
+    content.warnings.push_back(
+        {codec::WarningReason::kPointsNotUsed,
+         fmt::format("depth: {} of {} pixels are 65535, which is no distance; they become no points", depth.largest,
+                     depth.size.pixels())});
+  }
   const bool is_distorted = std::ranges::any_of(camera.distortion, [](double value) { return value != 0; });
   if (is_distorted && !is_rectified) {
     codec::Warning& warning = content.warnings.emplace_back();

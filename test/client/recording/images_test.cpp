@@ -39,6 +39,7 @@ TEST(DepthImage, SixteenBitsAreMillimetersInEitherByteOrder) {
   EXPECT_EQ(depth->meters[0], 1.0F);
   EXPECT_TRUE(std::isnan(depth->meters[1])) << "0 is no depth";
   EXPECT_TRUE(std::isnan(depth->meters[2])) << "65535 is no depth";
+  EXPECT_EQ(depth->largest, 1U);
   EXPECT_EQ(depth->meters[3], 0.001F);
   image.is_bigendian = true;
   depth = decode_depth(image, {}, {});
