@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gmock/gmock.h"
+#include "test/temporary_path.hpp"
 
 namespace segserve::credentials {
 namespace {
@@ -25,7 +26,7 @@ TEST(SharedSecret, OnlyItsOwnProofIsTaken) {
 }
 
 TEST(SharedSecret, IsReadFromAFile) {
-  const std::string path = testing::TempDir() + "shared_secret_test";
+  const std::string path = test::temporary_path("secret");
   std::ofstream(path) << " 0123456789abcdef\n";
   EXPECT_EQ(*read_shared_secret(path), "0123456789abcdef");
   for (const std::string& wrong : {std::string("0123456789abcde\n"), std::string(1025, 'x'), std::string(5000, 'x')}) {

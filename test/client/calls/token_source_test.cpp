@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gmock/gmock.h"
+#include "test/temporary_path.hpp"
 
 namespace segserve::client {
 namespace {
@@ -16,7 +17,7 @@ class TokenSourceTest : public testing::Test {
 
   void write(const std::string& content) const { std::ofstream(path_) << content; }
 
-  const std::string path_ = testing::TempDir() + "segserve-token-source";
+  const std::string path_ = test::temporary_path("token");
 };
 
 TEST_F(TokenSourceTest, HasTheTokenOfTheOptions) {

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "test/temporary_path.hpp"
+
 namespace segserve::segctl {
 namespace {
 
@@ -46,7 +48,7 @@ std::vector<Number> tile_at(const std::vector<Number>& pixels, std::uint32_t lef
 /// A file of kWidth x kHeight pixels, as libtiff writes it.
 template <typename Number>
 std::string tiff_file(std::vector<Number> pixels, const Kind& kind) {
-  const std::string path = testing::TempDir() + "segctl_tiff_image_test.tif";
+  const std::string path = test::temporary_path("image.tif");
   TIFF* tiff = TIFFOpen(path.c_str(), kind.mode);
   TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, kWidth);
   TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, kHeight);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gmock/gmock.h"
+#include "test/temporary_path.hpp"
 
 namespace segserve::server {
 namespace {
@@ -44,7 +45,7 @@ struct Program {
 };
 
 std::string write_file(const std::string& text) {
-  const std::string path = testing::TempDir() + "configuration_test.toml";
+  const std::string path = test::temporary_path("configuration.toml");
   std::ofstream(path) << text;
   return path;
 }

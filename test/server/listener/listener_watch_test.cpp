@@ -18,6 +18,7 @@
 #include "gtest/gtest.h"
 #include "server/listener/file_descriptors.hpp"
 #include "server/listener/listener_probe.hpp"
+#include "test/temporary_path.hpp"
 
 namespace segserve::server {
 namespace {
@@ -92,7 +93,7 @@ TEST(ListenerProbe, TellsSilenceFromAnAnswerAndFromNobody) {
 }
 
 TEST(ListenerProbe, FindsWhoServesOnAUnixSocket) {
-  const std::string path = testing::TempDir() + "listener_probe.sock";
+  const std::string path = test::temporary_path("probe.sock");
   std::remove(path.c_str());
   const ListenAddress address{path, "", true};
   EXPECT_EQ(ListenerProbe(address, 0).look(milliseconds(100)), Listener::kNone) << "there is no such file";

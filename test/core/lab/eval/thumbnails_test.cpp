@@ -8,6 +8,7 @@
 
 #include "core/lab/synth/scene.hpp"
 #include "segserve/codec/cloud_file.hpp"
+#include "test/temporary_path.hpp"
 
 namespace segserve::eval {
 namespace {
@@ -43,7 +44,7 @@ std::pair<std::uint32_t, std::uint32_t> size_of(const std::string& bytes) {
 }
 
 TEST(MakeThumbnails, ShowsGroundTruthAndSegments) {
-  const std::string path = testing::TempDir() + "segserve_thumbnails.pcd";
+  const std::string path = test::temporary_path("scene.pcd");
   const synth::SyntheticScene scene = *synth::make_tabletop({.width = 640, .height = 480});
   ASSERT_TRUE(codec::save_cloud(path, scene.cloud, scene.label).ok());
   const auto right = [&](const CloudView&) -> absl::StatusOr<Partition> {

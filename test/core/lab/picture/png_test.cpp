@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "core/lab/picture/picture.hpp"
+#include "test/temporary_path.hpp"
 
 namespace segserve::picture {
 namespace {
@@ -21,7 +22,7 @@ Image sample_image(std::uint32_t width, std::uint32_t height) {
 }
 
 TEST(WritePng, LibpngReadsTheSamePixels) {
-  const std::string path = testing::TempDir() + "segserve_picture.png";
+  const std::string path = test::temporary_path("picture.png");
   for (const Image& image : {sample_image(1, 1), sample_image(17, 9), sample_image(640, 3)}) {
     ASSERT_TRUE(write_png(path, image).ok());
     png_image png{};
@@ -51,7 +52,7 @@ TEST(WritePng, FaultsNameTheFile) {
 }
 
 TEST(EncodePng, HasTheBytesOfTheFile) {
-  const std::string path = testing::TempDir() + "segserve_encoded.png";
+  const std::string path = test::temporary_path("picture.png");
   for (const Image& image : {sample_image(1, 1), sample_image(320, 240)}) {
     ASSERT_TRUE(write_png(path, image).ok());
     std::ifstream file(path, std::ios::binary);
