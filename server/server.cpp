@@ -47,9 +47,6 @@ constexpr std::chrono::milliseconds kCloseTime{100};
 constexpr std::chrono::milliseconds kAbortTime{500};
 // A connection without calls is closed after this time.
 constexpr int kConnectionIdleMs = 600'000;
-// A connection with calls gets a ping this often. A proxy between client and server hears by that whether the server is
-// still there, however long a frame takes (deploy/nginx).
-constexpr int kPingMs = 1'000;
 // A client that connects and shakes no hands is cut after this time.
 constexpr int kHandshakeMs = 20'000;
 // All headers of a call.
@@ -132,9 +129,11 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   builder.SetMaxReceiveMessageSize(wire::kServerReceiveBytes);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, kMaxStreamsPerConnection);
   builder.AddChannelArgument(GRPC_ARG_MAX_CONNECTION_IDLE_MS, kConnectionIdleMs);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, kPingMs);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kConnectionIdleMs);  // a slow link may take its time
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);          // any number
+  if (const auto interval = options_.ping_interval; interval.count() > 0) {
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, static_cast<int>(interval.count()));
+    builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, kConnectionIdleMs);  // a slow link may take its time
+    builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);          // any number
+  }
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, kMetadataBytes);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, kHandshakeMs);
   // A small compressed message could be huge. Payloads have compression of their own, whose results are bounded.

@@ -55,6 +55,7 @@ void announce(const Server& server, const Flags& flags) {
                                         {"max_frame_s", seconds(options.max_frame_time)},
                                         {"grace_period_s", seconds(options.grace_period)},
                                         {"max_stream_age_s", seconds(options.max_stream_age)},
+                                        {"ping_interval_s", seconds(options.ping_interval)},
                                         {"listener_check_s", seconds(flags.listener_check)}};
   log_event(spdlog::level::info, "limits", limits);
 }

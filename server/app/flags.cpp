@@ -199,6 +199,9 @@ std::variant<Flags, int> parse_flags(int argc, const char* const* argv) {
   add_seconds(app, "--max-stream-age",
               "Seconds, give or take a tenth, after which a stream is asked to move to a new one; 0: never",
               server.max_stream_age);
+  add_seconds(app, "--ping-interval",
+              "Seconds between pings of connections with calls, for proxies that have no health checks; 0: never",
+              server.ping_interval);
   add_seconds(app, "--listener-check",
               "Seconds between connections of the server to itself; after three without an answer it stops; 0: never",
               flags.listener_check);

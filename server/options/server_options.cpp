@@ -170,6 +170,7 @@ std::vector<FieldViolation> violations(const ServerOptions& options) {
   check_range<std::int64_t>("max-frame-seconds", options.max_frame_time.count(), 1, kDayMs, faults);
   check_range<std::int64_t>("grace-period", options.grace_period.count(), 0, kDayMs, faults);
   check_range<std::int64_t>("max-stream-age", options.max_stream_age.count(), 0, kDayMs, faults);
+  check_range<std::int64_t>("ping-interval", options.ping_interval.count(), 0, kDayMs, faults);
   check_range<std::int64_t>("drain-delay", options.drain_delay.count(), 0, kDayMs, faults);
   for (FieldViolation& fault : segserve::violations(options.defaults)) faults.push_back(std::move(fault));
   return faults;

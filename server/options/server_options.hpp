@@ -90,6 +90,11 @@ struct ServerOptions {
   /// has `grace_period` for that. Each stream's age differs by up to a tenth, so that they do not all move together.
   std::chrono::milliseconds max_stream_age{1'800'000};
 
+  /// A connection with calls gets a ping of HTTP/2 this often; 0: never. By that a proxy between client and server
+  /// hears whether the server is still there, however long a frame takes. A client that resets calls in masses costs
+  /// others more where there are pings.
+  std::chrono::milliseconds ping_interval{0};
+
   /// A stopping server answers new calls with UNAVAILABLE (DRAINING) for at least this long, but no longer than the
   /// grace period, before it closes its connections. Calls that are on their way then learn what to do.
   std::chrono::milliseconds drain_delay{200};

@@ -6,7 +6,7 @@ import unittest
 
 from harness import SEGCTL
 from test_fleet import SLACK, FleetTest
-from test_fleet_proxies import haproxy, nginx
+from test_fleet_proxies import PINGS, haproxy, nginx
 from test_slow_link import Namespace, ServerIn
 
 # Runs on the machine of the clients, and joins it with others by a switch. The processes that are named live on the others.
@@ -40,7 +40,7 @@ class Cut(FleetTest):
             self.skipTest(f"there are no virtual links here: {made.stderr.decode().strip()}")
         self.servers = []
         for number, machine in enumerate(others, 1):
-            self.servers.append(ServerIn(self.folder, machine, f"10.77.1.{number}"))
+            self.servers.append(ServerIn(self.folder, machine, f"10.77.1.{number}", PINGS))
             self.addCleanup(self.servers[-1].close)
         self.addresses = [server.address for server in self.servers]
 

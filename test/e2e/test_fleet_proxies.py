@@ -79,6 +79,10 @@ def nginx(folder, listen, servers):
     return ["nginx", "-c", str(config), "-p", str(folder), "-e", str(folder / "error.log")]
 
 
+# As the file of nginx asks for.
+PINGS = ("--ping-interval", "1")
+
+
 class Behind:
     """What every proxy has to stand."""
 
@@ -87,7 +91,7 @@ class Behind:
         if shutil.which(name) is None:
             self.skipTest(f"{name} is not installed")
         self.port = free_port()
-        self.servers = self.replicas()
+        self.servers = self.replicas(flags=PINGS if name == "nginx" else ())
         command = type(self).proxy(self.path(name), f"127.0.0.1:{self.port}", [server.address for server in self.servers])
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         self.addCleanup(process.stderr.close)

@@ -39,11 +39,11 @@ class Namespace:
 class ServerIn(Server):
     """A server in a network namespace, reached at its address there."""
 
-    def __init__(self, folder, namespace, host="10.77.0.1"):
+    def __init__(self, folder, namespace, host="10.77.0.1", flags=()):
         handle = os.open(f"/proc/{namespace.process.pid}/ns/net", os.O_RDONLY)
         os.set_inheritable(handle, True)
         try:
-            super().__init__(folder, "--insecure-beyond-loopback", listen=f"{host}:0", before=lambda: enter(handle))
+            super().__init__(folder, "--insecure-beyond-loopback", *flags, listen=f"{host}:0", before=lambda: enter(handle))
         finally:
             os.close(handle)
         self.address = f"{host}:{self.address.rsplit(':', 1)[1]}"
