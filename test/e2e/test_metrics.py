@@ -239,12 +239,12 @@ class Refusals(MetricsCase):
     def test_a_call_that_makes_way_for_another_client(self):
         server = self.start("--workers", "1", "--queue", "2")
         cloud = self.path("lone.pcd")
-        lone_points(cloud, 40, 0.02)  # takes a while
+        lone_points(cloud, 60, 0.02)  # takes a while
         request = file_request(cloud.read_bytes())
         with grpc.insecure_channel(server.address, options=[("grpc.use_local_subchannel_pool", 1)]) as other:
             grpc.channel_ready_future(other).result(timeout=60)
             mine = [self.unary.future(request, timeout=60) for _ in range(3)]
-            self.wait_for(lambda: server.scrape().sum("segserve_unary_calls") > 0)
+            self.wait_for(lambda: server.scrape().sum("segserve_queue_frames") == 2)
             ends = self.reasons(other.unary_unary(UNARY).future(request, timeout=60), *mine)
         scraped = server.scrape()
         self.assertEqual(ends[0], "OK")

@@ -55,7 +55,7 @@ TEST(MakeThumbnails, ShowsGroundTruthAndSegments) {
   };
   const auto pictures = make_thumbnails(path, {}, right);
   ASSERT_TRUE(pictures.ok()) << pictures.status();
-  EXPECT_EQ(pictures->file, "segserve_thumbnails.pcd");
+  EXPECT_EQ(pictures->file, std::filesystem::path(path).filename().string());
   EXPECT_EQ(pictures->truth, pictures->segments);
   EXPECT_EQ(size_of(pictures->truth), std::pair(320U, 240U));
   EXPECT_NE(make_thumbnails(path, {}, one)->segments, pictures->segments);
