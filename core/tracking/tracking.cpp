@@ -2,6 +2,8 @@
 #include "segserve/tracking.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <ranges>
 #include <utility>
@@ -154,7 +156,8 @@ class Tracker {
   void find_births() {
     for (std::size_t s = 0; s < partition_.track_of_segment.size(); ++s) {
       if (partition_.track_of_segment[s] != kNoTrack || partition_.points[s] < options_.min_points) continue;
-      if (result_.state.tracks.size() == TrackState::kMostTracks) return;
+      const bool has_ids = result_.state.next_id < std::numeric_limits<std::uint64_t>::max();
+      if (result_.state.tracks.size() == TrackState::kMostTracks || !has_ids) return;
       TrackState::Track track = describe_track(scene_, partition_.leaves[s]);
       track.id = result_.state.next_id++;
       const std::uint32_t t = origin(partition_.leaves[s]);

@@ -304,6 +304,14 @@ TEST(Track, MakesStatesThatCanBeReadOfAnyState) {
   }
 }
 
+TEST(Track, GivesNoIdTwiceWhereIdsRunOut) {
+  TrackState state;
+  state.next_id = ~std::uint64_t{0} - 1;
+  const Tracking last = follow(three_rows().segmentation(), state);
+  EXPECT_THAT(last.track_of_segment, ElementsAre(~std::uint64_t{0} - 1, 0, 0));
+  EXPECT_TRUE(TrackState::parse(last.state.bytes()).ok());
+}
+
 TEST(Track, NamesAllWrongOptions) {
   TrackOptions options;
   options.max_speed = -1;
