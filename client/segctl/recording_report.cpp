@@ -77,6 +77,7 @@ std::string RecordingReport::json_lines(const std::vector<codec::Warning>& warni
 
 std::vector<std::string> RecordingReport::warning_lines() const {
   std::vector<std::string> lines;
+  lines.reserve(of_frames_.size());
   for (const auto& [message, frames] : of_frames_) {
     lines.push_back(fmt::format("{} ({} frame{})", message, frames, frames == 1 ? "" : "s"));
   }

@@ -109,6 +109,7 @@ TrackState::Track carry_on(const TrackState::Track& before, const PredictedTrack
   std::ranges::copy(second, track.axes.begin() + 3);
   track.velocity = floats(kSlowing * predicted.velocity);
   std::vector<Vec3> offsets;
+  offsets.reserve(predicted.signatures.size());
   const Vec3 center{track.center[0], track.center[1], track.center[2]};
   for (const PredictedTrack::Signature& signature : predicted.signatures) offsets.push_back(signature.place - center);
   set_places(offsets, track);

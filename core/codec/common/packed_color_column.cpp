@@ -53,6 +53,8 @@ std::optional<std::uint32_t> bits_of_value(T value) {
     const bool is_integer = number >= -2147483648.0 && number < 4294967296.0 && number == std::floor(number);
     if (!is_integer) return std::nullopt;
     return static_cast<std::uint32_t>(static_cast<std::int64_t>(number));
+  } else if constexpr (sizeof(T) < sizeof(std::int64_t)) {
+    return std::nullopt;  // No such column is read by its values.
   } else {
     const auto number = static_cast<std::int64_t>(value);
     const bool fits = number >= std::numeric_limits<std::int32_t>::min() &&

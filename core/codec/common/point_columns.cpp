@@ -207,7 +207,7 @@ Attribute copy_field(const Field& field, const Column& column, std::size_t point
       check.for_each(0, points, [&](std::size_t i) {
         for (std::size_t k = 0; k < field.count; ++k) {
           const auto stored = load<Stored>(column.data + i * column.stride + k * sizeof(Stored), column.order);
-          const auto value = static_cast<Kept>(stored);
+          const auto value = static_cast<Kept>(stored);  // NOLINT(bugprone-signed-char-misuse): keeps its sign
           std::memcpy(attribute.values.data() + i * bytes + k * size, &value, size);
         }
       });

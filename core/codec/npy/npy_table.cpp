@@ -153,6 +153,7 @@ absl::StatusOr<PointTable> NpyTable::finish() {
   auto roles = find_field_roles(table.fields, warnings_);
   if (!roles.ok()) {
     std::vector<std::string> names;
+    names.reserve(fields_.size());
     for (const Field& field : fields_) names.push_back(quoted(field.name));
     return absl::InvalidArgumentError(
         fmt::format("{}; its fields are {}", message_of(roles.status()), fmt::join(names, ", ")));

@@ -62,6 +62,7 @@ struct Archive {
   }
   std::string names() const {
     std::vector<std::string> all;
+    all.reserve(arrays.size());
     for (const NpyArray& array : arrays) all.push_back(quoted(array.name()));
     return fmt::format("{}", fmt::join(all, ", "));
   }

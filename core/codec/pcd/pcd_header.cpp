@@ -232,6 +232,7 @@ absl::Status assign_roles(PcdHeader& header) {
 
 std::vector<Field> PcdHeader::point_fields() const {
   std::vector<Field> all;
+  all.reserve(fields.size());
   for (const PcdField& field : fields) all.push_back({field.name, field.type, field.count});
   return all;
 }
