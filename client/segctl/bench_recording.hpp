@@ -14,7 +14,7 @@ namespace segserve::segctl {
 /// INVALID_ARGUMENT unless at least two frames at different times are left; other errors as client::TopicReader.
 absl::StatusOr<bench::FrameSource> load_recording(const std::string& path, const RecordingFlags& flags);
 
-/// The same for the clouds of a folder that tells their times (has_capture_times).
+/// The clouds of a folder that tells their times (has_capture_times); otherwise as load_recording.
 absl::StatusOr<bench::FrameSource> load_sequence(const std::string& folder);
 
 }  // namespace segserve::segctl

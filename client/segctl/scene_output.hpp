@@ -47,7 +47,7 @@ class SceneOutput {
   /// had. What the format of the cloud cannot hold is added to `warnings`.
   absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
                    std::vector<codec::Warning>& warnings) const;
-  /// The same, with the warnings on standard error.
+  /// Adds the outputs as the function above does, and prints the warnings on standard error.
   absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// How the flags ask pictures of this scene to be drawn. INVALID_ARGUMENT for a position that is none.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/codec/common/packed_color_column.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -14,29 +15,21 @@ constexpr std::uint32_t kColorBits = 0xFFFFFFU;
 /// The quiet NaN, which writers of packed floats use for "no color".
 constexpr std::uint32_t kNoColor = 0x7fc00000;
 
-/// Whether floats are packed colors by their values and not by their bits.
+/// Whether floats are packed colors by their values and not by their bits. Looks at a few first, because they nearly
+/// always tell that they are not.
 bool are_packed_values(const Column& column, std::size_t points, StopCheck& check) {
+  constexpr std::size_t kFirst = 64;
   bool are_values = true, is_any = false;
-  for_each_value(column, points, check, [&](std::size_t, auto value) {
-    const auto number = static_cast<double>(value);
-    if (number == 0 || std::isnan(number)) return;
-    is_any = true;
-    are_values = are_values && number >= 1 && number < 0x1p24 && number == std::floor(number);
-  });
-  return is_any && are_values;
-}
-
-/// The same for all of them. The first ones nearly always tell that they are not.
-bool all_are_packed_values(const Column& column, std::size_t points, StopCheck& check) {
-  for (std::size_t first = 64; first < points; first *= 64) {
-    bool is_any_other = false;
-    for_each_value(column, first, check, [&](std::size_t, auto value) {
+  for (const std::size_t end : {std::min(points, kFirst), points}) {
+    for_each_value(column, end, check, [&](std::size_t, auto value) {
       const auto number = static_cast<double>(value);
-      is_any_other = is_any_other || (number != 0 && !std::isnan(number) && number < 1);
+      if (number == 0 || std::isnan(number)) return;
+      is_any = true;
+      are_values = are_values && number >= 1 && number < 0x1p24 && number == std::floor(number);
     });
-    if (is_any_other) return false;
+    if (!are_values) return false;
   }
-  return are_packed_values(column, points, check);
+  return is_any;
 }
 
 /// The bits of a number that was widened to 8 bytes, or is a color by its value.
@@ -68,7 +61,7 @@ std::optional<std::uint32_t> bits_of_value(T value) {
 template <typename Function>
 void for_each_color(const Column& column, std::size_t points, StopCheck& check, Function function) {
   const bool is_narrow = size_of(column.type) == 4;
-  if (!is_narrow || (is_float(column.type) && all_are_packed_values(column, points, check))) {
+  if (!is_narrow || (is_float(column.type) && are_packed_values(column, points, check))) {
     for_each_value(column, points, check, [&](std::size_t i, auto value) { function(i, bits_of_value(value)); });
     return;
   }

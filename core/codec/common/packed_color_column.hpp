@@ -12,7 +12,7 @@
 // Colors that are packed into one number, 0xAARRGGBB.
 namespace segserve::codec {
 
-/// What read_packed_color has found.
+/// The result of read_packed_color, beside the colors.
 struct PackedColors {
   bool are_colors = true;  ///< false if a number is no color; what was read means nothing then
   bool some_are_missing = false;

@@ -34,7 +34,8 @@ struct PointTable {
 
 /// Takes fields without a role that cannot be read out of the attributes, and warns of each.
 void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fields, std::vector<Warning>& warnings);
-/// The same for fields without a role and the labels, which the table then does not have.
+/// Takes fields without a role that cannot be read out of the table, and likewise its labels if they cannot be read.
+/// Warns of each.
 void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<Warning>& warnings);
 
 /// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. How

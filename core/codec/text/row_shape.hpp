@@ -8,7 +8,7 @@
 #include "core/codec/text/column_names.hpp"
 #include "core/codec/text/text_cells.hpp"
 
-// What tells that a line is a row of a table.
+// The shape by which a line is recognized as a row of a table.
 namespace segserve::codec {
 
 /// Whether a line without names above it is a row: its first cell is a number, or cells are left out between separators
