@@ -8,7 +8,7 @@ import sys
 MOST_COLUMNS = 72
 # Words that begin a subject in another mood than the imperative.
 NOT_IMPERATIVE = re.compile(r"^(\w+(ed|ing)|\w+[^s\W]s)$", re.IGNORECASE)
-IMPERATIVE_ALL_THE_SAME = {"bring", "embed", "feed", "need", "proceed", "seed", "shed", "speed", "spring", "string", "exceed"}
+IMPERATIVE_ALL_THE_SAME = {"bring", "embed", "feed", "need", "ping", "proceed", "seed", "shed", "speed", "spring", "string", "exceed"}
 
 
 def faults(message):
