@@ -11,6 +11,7 @@ import unittest
 import http2
 import pcd
 from harness import SEGCTL, EndToEnd
+from held_connections import HeldConnections
 from messages import MIB, OPEN, delimited, file_request, varint
 
 IS_FAST = os.environ.get("BOUNDS_MEMORY", "1") == "1"  # not under a sanitizer
@@ -50,9 +51,13 @@ class Attack(EndToEnd):
         assert output, errors
         return json.loads(output)
 
+    def setUp(self):
+        super().setUp()
+        self.held = HeldConnections()
+        self.addCleanup(self.held.close)
+
     def connect(self, **options):
-        connection = http2.Connection(self.server.address, **options)
-        self.addCleanup(connection.close)
+        connection = self.held.add(http2.Connection(self.server.address, **options))
         for _ in range(2):  # the server's settings and its window
             connection.receive()
         return connection

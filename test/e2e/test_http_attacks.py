@@ -12,6 +12,7 @@ import time
 import unittest
 
 from harness import SUCCESS, segctl
+from held_connections import HeldConnections
 from http_client import WebServer
 
 SECONDS = float(os.environ.get("ATTACK_SECONDS", "4"))
@@ -63,12 +64,11 @@ class HttpAttacks(unittest.TestCase):
         self.assertEqual(segctl("synth", "-o", self.scene, "-q", "--width", 64, "--height", 48).returncode, SUCCESS)
         self.server = WebServer(self.folder, "--memory", str(MEMORY))
         self.addCleanup(self.server.close)
-        self.open = contextlib.ExitStack()
-        self.addCleanup(self.open.close)
+        self.held = HeldConnections()
+        self.addCleanup(self.held.close)
 
     def connect(self):
-        connection = self.open.enter_context(socket.create_connection(("127.0.0.1", self.server.http_port), timeout=20))
-        return connection
+        return self.held.add(socket.create_connection(("127.0.0.1", self.server.http_port), timeout=20))
 
     def resident(self):
         status = pathlib.Path(f"/proc/{self.server.process.pid}/status").read_text()
@@ -204,7 +204,7 @@ class HttpAttacks(unittest.TestCase):
                 connection = socket.socket()
                 connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
                 connection.connect(("127.0.0.1", self.server.http_port))
-                self.open.enter_context(connection)
+                self.held.add(connection)
                 self.send(connection, header + body)
             time.sleep(0.5)
 
