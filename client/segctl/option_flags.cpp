@@ -38,14 +38,6 @@ std::string help_text(const OptionInfo& option) {
                      option.unit.empty() ? "" : " ", option.unit, default_text(option));
 }
 
-std::string method_names() {
-  std::string names;
-  for (const Method method : all_methods()) {
-    names += fmt::format("{}{}", names.empty() ? "" : ", ", name(method));
-  }
-  return names;
-}
-
 }  // namespace
 
 void OptionFlags::add_number(CLI::App& app, const OptionInfo& option, Flag& flag) {
@@ -65,6 +57,9 @@ void OptionFlags::add_to(CLI::App& app) {
   app.add_option("--method", method_,
                  fmt::format("how the dissimilarity of two regions is measured: {}; default {}", method_names(),
                              name(Options{}.method)))
+      ->type_name("NAME")
+      ->group("Segmentation");
+  app.add_option("--preset", preset_, fmt::format("what kind of cloud it is: {}; default auto, the cloud tells", preset_names()))
       ->type_name("NAME")
       ->group("Segmentation");
   flags_.resize(option_table().size());  // No reallocation may follow: the parser keeps addresses of the flags.
@@ -87,6 +82,13 @@ absl::StatusOr<Options> OptionFlags::options() const {
       options.method = *method;
     } else {
       faults.push_back({"method", fmt::format("'{}' is not one of {}", method_, method_names())});
+    }
+  }
+  if (!preset_.empty()) {
+    if (const auto preset = preset_from_name(preset_)) {
+      options.preset = *preset;
+    } else {
+      faults.push_back({"preset", fmt::format("'{}' is not one of {}", preset_, preset_names())});
     }
   }
   for (const Flag& flag : flags_) {

@@ -31,7 +31,7 @@ class OptionFlags {
   };
   void add_number(CLI::App& app, const OptionInfo& option, Flag& flag);
 
-  std::string method_;
+  std::string method_, preset_;
   std::vector<Flag> flags_;
 };
 

@@ -114,11 +114,16 @@ bool is_closed(const std::vector<std::uint32_t>& component, const Vec3& sum_of_n
   return component.size() >= kFewest && std::fabs(sum_of_normals.z) < kShare * static_cast<double>(component.size());
 }
 
+/// Whether a thing with this diagonal, meters, is seen from the inside.
+bool is_room(double diagonal, Preset preset) {
+  constexpr double kSmallest = 2.5;
+  return preset == Preset::kRoom || (preset != Preset::kScan && diagonal > kSmallest);
+}
+
 /// Whether the normals of a closed component point to where it is seen from: the inside of a room, the outside of a
 /// thing.
-bool faces_where_it_is_seen(const VoxelGrid& grid, const std::vector<Vec3>& normals,
+bool faces_where_it_is_seen(const VoxelGrid& grid, Preset preset, const std::vector<Vec3>& normals,
                             const std::vector<std::uint32_t>& component, StopCheck& check) {
-  constexpr double kSmallestRoom = 2.5;  // its diagonal, meters
   Vec3 low = grid.centroid[component[0]], high = low;
   check.for_each(0, component.size(), [&](std::size_t i) {
     const Vec3& p = grid.centroid[component[i]];
@@ -129,7 +134,7 @@ bool faces_where_it_is_seen(const VoxelGrid& grid, const std::vector<Vec3>& norm
   double outwards = 0;
   check.for_each(0, component.size(),
                  [&](std::size_t i) { outwards += dot(grid.centroid[component[i]] - middle, normals[component[i]]); });
-  return (outwards > 0) != (norm(high - low) > kSmallestRoom);
+  return (outwards > 0) != is_room(norm(high - low), preset);
 }
 
 }  // namespace
@@ -167,7 +172,7 @@ absl::Status orient_as_seen(const FrameContext& frame, const VoxelGrid& grid, co
   Propagation propagation(adjacency, std::vector<bool>(normals.size(), false), check, normals);
   propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
     const Vec3 sum = sum_of(normals, component, check);
-    return is_closed(component, sum) ? faces_where_it_is_seen(grid, normals, component, check) : points_upwards(sum);
+    return is_closed(component, sum) ? faces_where_it_is_seen(grid, frame.options.preset, normals, component, check) : points_upwards(sum);
   });
   return check.status();
 }

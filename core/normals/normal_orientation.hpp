@@ -35,7 +35,7 @@ void turn_to_sensors(const FrameContext& frame, const VoxelGrid& grid, std::size
 absl::Status orient_upwards(const FrameContext& frame, const VoxelAdjacency& adjacency, std::vector<Vec3>& normals);
 
 /// The same, but where floor and ceiling cancel one another, as in a closed room, a component points to the inside of
-/// what is as large as a room, and to the outside of smaller things.
+/// what is as large as a room, and to the outside of smaller things, unless the preset says which it is.
 absl::Status orient_as_seen(const FrameContext& frame, const VoxelGrid& grid, const VoxelAdjacency& adjacency,
                             std::vector<Vec3>& normals);
 

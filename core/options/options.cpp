@@ -33,8 +33,11 @@ constexpr std::array kMethods = {
     MethodInfo{Method::kFixedLambda, "fixed-lambda", 0.18, kPaperSupervoxels},
 };
 
+constexpr std::array<std::string_view, 5> kPresets = {"auto", "tabletop", "room", "lidar", "scan"};
+
 const MethodInfo& info(Method method) { return kMethods[static_cast<std::size_t>(method)]; }
 bool is_method(Method method) { return static_cast<std::size_t>(method) < kMethods.size(); }
+bool is_preset(Preset preset) { return static_cast<std::size_t>(preset) < kPresets.size(); }
 
 /// An option that is a double or an optional double.
 template <auto member>
@@ -99,12 +102,33 @@ constexpr std::array kTable = {
     whole<&Options::threads>("threads", "threads within one call; the result does not depend on it", 1, 64),
 };
 
+template <typename Named>
+std::string names_of(std::span<const Named> all) {
+  std::string names;
+  for (const Named each : all) names += fmt::format("{}{}", names.empty() ? "" : ", ", name(each));
+  return names;
+}
+
 /// Adds a fault if the maximum is not above the minimum; either may be unset.
 void check_interval(std::string_view minimum_name, const std::optional<double>& minimum, std::string_view maximum_name,
                     const std::optional<double>& maximum, std::vector<FieldViolation>& faults) {
   if (!minimum || !maximum || *minimum < *maximum) return;
   faults.push_back(
       {std::string(maximum_name), fmt::format("{} m is not above {}, {} m", *maximum, minimum_name, *minimum)});
+}
+
+/// Adds a fault if the preset and other options exclude each other.
+void check_preset(const Options& options, std::vector<FieldViolation>& faults) {
+  if (options.preset == Preset::kAuto) return;
+  if (!is_preset(options.preset)) {
+    faults.push_back({"preset", fmt::format("{} is no preset", static_cast<int>(options.preset))});
+  } else if (options.method != Method::kBorder) {
+    faults.push_back({"preset", fmt::format("'{}' is for the method border, not for {}", name(options.preset),
+                                            name(options.method))});
+  } else if (options.preset == Preset::kLidar && (options.voxel_resolution || options.seed_resolution)) {
+    faults.push_back({"preset", "'lidar' makes voxels as fine as the rays, so that voxel_resolution and "
+                                "seed_resolution must be unset"});
+  }
 }
 
 absl::Status as_status(const std::vector<FieldViolation>& faults) {
@@ -134,6 +158,21 @@ std::span<const Method> all_methods() {
   }();
   return kAll;
 }
+
+std::string_view name(Preset preset) { return kPresets[static_cast<std::size_t>(preset)]; }
+
+std::optional<Preset> preset_from_name(std::string_view name) {
+  const auto* found = std::ranges::find(kPresets, name);
+  return found == kPresets.end() ? std::nullopt : std::optional(static_cast<Preset>(found - kPresets.begin()));
+}
+
+std::span<const Preset> all_presets() {
+  static constexpr std::array kAll = {Preset::kAuto, Preset::kTabletop, Preset::kRoom, Preset::kLidar, Preset::kScan};
+  return kAll;
+}
+
+std::string method_names() { return names_of(all_methods()); }
+std::string preset_names() { return names_of(all_presets()); }
 
 double default_threshold(Method method) { return info(method).threshold; }
 
@@ -192,6 +231,7 @@ std::vector<FieldViolation> violations(const Options& options) {
   if (options.threshold && options.regions) {
     faults.push_back({"regions", "threshold and regions exclude each other"});
   }
+  check_preset(options, faults);
   check_interval("crop_min_x", options.crop_min_x, "crop_max_x", options.crop_max_x, faults);
   check_interval("crop_min_y", options.crop_min_y, "crop_max_y", options.crop_max_y, faults);
   check_interval("crop_min_z", options.crop_min_z, "crop_max_z", options.crop_max_z, faults);
@@ -199,9 +239,22 @@ std::vector<FieldViolation> violations(const Options& options) {
   return faults;
 }
 
+View segmented_view(const View& view, Preset preset) {
+  if (preset == Preset::kTabletop) return View::camera();
+  return preset == Preset::kLidar && !view.has_sensor() ? View::world(0, 0, 0) : view;
+}
+
 std::vector<FieldViolation> violations(const Options& options, const View& view) {
   std::vector<FieldViolation> faults;
-  if (view.has_sensor()) return faults;
+  const bool is_elsewhere = view.sensor && *view.sensor != Eigen::Vector3f::Zero();
+  if (options.preset == Preset::kTabletop && (is_elsewhere || !view.cameras.empty())) {
+    faults.push_back({"preset", "'tabletop' needs the frame of one camera, but the sensor of the cloud's view is not at "
+                                "the origin"});
+  }
+  if (options.preset == Preset::kLidar && (view.kind == ViewKind::kCamera || !view.cameras.empty())) {
+    faults.push_back({"preset", "'lidar' needs a WORLD view of one sensor, but the cloud's view is that of cameras"});
+  }
+  if (segmented_view(view, options.preset).has_sensor()) return faults;
   const auto need_sensor = [&faults](std::string_view name, const std::optional<double>& value) {
     if (value)
       faults.push_back({std::string(name), "the cloud has a WORLD view that does not say where its sensor is"});

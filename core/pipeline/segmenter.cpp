@@ -83,6 +83,21 @@ Resolution resolution_of(const ChosenScale& chosen) {
   return {scale.voxel, scale.seed, chosen.reason, is_known ? std::optional(scale.noise_depth) : std::nullopt};
 }
 
+std::string_view unfit_preset(const FrameContext& frame, const ChosenScale& chosen) {
+  switch (frame.options.preset) {
+    case Preset::kAuto:
+    case Preset::kTabletop: return "";
+    case Preset::kRoom:
+    case Preset::kScan:
+      if (frame.view().kind == ViewKind::kWorld) return "";
+      return "the cloud is the frame of a camera, on which the presets room and scan have no effect";
+    case Preset::kLidar:
+      if (chosen.reason == ResolutionReason::kSweep) return "";
+      return "the points do not show the rings of a spinning LiDAR, so that the preset lidar has no effect";
+  }
+  return "";
+}
+
 absl::Status ask(const Admission& admit, const FrameContext& frame, std::size_t voxels) {
   FrameSize size;
   size.points = frame.cloud.size();
@@ -160,7 +175,9 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   RETURN_IF_ERROR(check(options, cloud.view));
   RETURN_IF_ERROR(check_shape(cloud));
   Workspace& w = *workspace_;
-  FrameContext frame(cloud, options, w.executor_with(options.threads), stop);
+  CloudView seen = cloud;
+  seen.view = segmented_view(cloud.view, options.preset);
+  FrameContext frame(seen, options, w.executor_with(options.threads), stop);
   ASSIGN_OR_RETURN(const ChosenScale chosen, choose_scale(frame));
   frame.scale = chosen.scale;
   const bool by_border = options.method == Method::kBorder;
@@ -231,6 +248,7 @@ absl::StatusOr<Segmentation> Segmenter::segment_within(const CloudView& cloud, c
   result.segments = level.segments;
   result.resolution = resolution_of(chosen);
   result.threshold = frame.options.threshold;
+  result.unfit_preset = unfit_preset(frame, chosen);
   result.finite_points = w.grid.finite_points;
   result.segmented_points = std::accumulate(w.grid.points.begin(), w.grid.points.end(), std::size_t{0});
   result.voxels = w.grid.size();

@@ -48,6 +48,15 @@ void choose_for_world(const FrameContext& frame, StopCheck& check, ChosenScale& 
   if (chosen.scale.voxel < usual) chosen.reason = ResolutionReason::kExtent;
 }
 
+/// Whether the points may be the sweep of a LiDAR that needs other voxels than cubes, as far as the preset and the cubes
+/// tell.
+bool may_need_panorama(const FrameContext& frame, const ChosenScale& cubes) {
+  constexpr double kCoarse = 0.1;  // meters; finer cubes serve a room as well
+  const Options& options = frame.options;
+  if (options.preset != Preset::kAuto) return options.preset == Preset::kLidar;
+  return cubes.reason == ResolutionReason::kSpacing && cubes.scale.voxel >= kCoarse && !options.seed_resolution;
+}
+
 /// Voxels as fine as the rays of a LiDAR's sweep, instead of cubes so large that they hold enough of its farthest
 /// points.
 void choose_for_sweep(const FrameContext& frame, StopCheck& check, ChosenScale& chosen) {
@@ -80,10 +89,7 @@ absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame) {
     choose_for_camera(frame, check, chosen);
   } else {
     choose_for_world(frame, check, chosen);
-    constexpr double kCoarse = 0.1;  // meters; finer cubes serve a room as well
-    const bool may_be_sweep =
-        chosen.reason == ResolutionReason::kSpacing && chosen.scale.voxel >= kCoarse && !frame.options.seed_resolution;
-    if (may_be_sweep) choose_for_sweep(frame, check, chosen);
+    if (may_need_panorama(frame, chosen)) choose_for_sweep(frame, check, chosen);
   }
   VoxelScale& scale = chosen.scale;
   if (frame.options.seed_resolution) {

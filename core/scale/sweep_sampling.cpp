@@ -170,8 +170,9 @@ std::optional<SweepSampling> estimate_sweep_sampling(const FrameContext& frame, 
   sampling.azimuth = azimuth_angle(rays, sampling.ring);
   sampling.slope = slope_of(slices, sampling.ring);
   if (sampling.azimuth <= 0 || sampling.azimuth > kWidestRings || sampling.slope <= 0) return std::nullopt;
-  if (!is_even(rays, sampling) || !has_one_surface(slices, sampling)) return std::nullopt;
-  return sampling;
+  const bool is_known = frame.options.preset == Preset::kLidar;
+  if (is_known || (is_even(rays, sampling) && has_one_surface(slices, sampling))) return sampling;
+  return std::nullopt;
 }
 
 }  // namespace segserve

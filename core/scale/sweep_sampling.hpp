@@ -19,6 +19,7 @@ struct SweepSampling {
 
 /// Estimates the sampling of a WORLD cloud that is one turn of a spinning LiDAR, or a sector of it, around an axis
 /// along z: its rays are spread evenly, there is one surface a ray, and rings are between 0.05 and 1.5 degrees apart.
+/// With the preset kLidar, rays may be spread unevenly and meet several surfaces, as those of several echoes or turns.
 /// nullopt for any other cloud, also one whose view has no sensor. Coarser rings tell too little for a panorama. Looks
 /// at a quarter of the directions. O(N log N). Depends neither on the order of the points nor on the CPU. Leaves off
 /// when `check` stops it.

@@ -22,6 +22,12 @@ constexpr std::array kMethods = {
     std::pair{Method::kFixedLambda, v1::METHOD_FIXED_LAMBDA},
 };
 
+constexpr std::array kPresets = {
+    std::pair{Preset::kAuto, v1::PRESET_AUTO},   std::pair{Preset::kTabletop, v1::PRESET_TABLETOP},
+    std::pair{Preset::kRoom, v1::PRESET_ROOM},   std::pair{Preset::kLidar, v1::PRESET_LIDAR},
+    std::pair{Preset::kScan, v1::PRESET_SCAN},
+};
+
 /// The 64-bit hash FNV-1a. Numbers are added as their little-endian bytes.
 class FnvHash {
  public:
@@ -87,9 +93,24 @@ std::optional<Method> from_message(v1::Method method) {
   return std::nullopt;
 }
 
+v1::Preset to_message(Preset preset) {
+  for (const auto& [known, in_message] : kPresets) {
+    if (known == preset) return in_message;
+  }
+  return v1::PRESET_UNSPECIFIED;
+}
+
+std::optional<Preset> from_message(v1::Preset preset) {
+  for (const auto& [known, in_message] : kPresets) {
+    if (in_message == preset) return known;
+  }
+  return std::nullopt;
+}
+
 v1::SegmentOptions to_message(const Options& options) {
   v1::SegmentOptions message;
   message.set_method(to_message(options.method));
+  if (options.preset != Preset::kAuto) message.set_preset(to_message(options.preset));
   for (const OptionInfo& option : option_table()) {
     if (const std::optional<double> value = option.get(options)) NumberField(option).set(message, *value);
   }
@@ -103,6 +124,13 @@ Options from_message(const v1::SegmentOptions& message, const Options& defaults,
       options.method = *method;
     } else {
       faults.push_back({"options.method", fmt::format("{} is not a method", static_cast<int>(message.method()))});
+    }
+  }
+  if (message.preset() != v1::PRESET_UNSPECIFIED) {
+    if (const std::optional<Preset> preset = from_message(message.preset())) {
+      options.preset = *preset;
+    } else {
+      faults.push_back({"options.preset", fmt::format("{} is not a preset", static_cast<int>(message.preset()))});
     }
   }
   if (message.cut_case() != v1::SegmentOptions::CUT_NOT_SET) {
@@ -126,6 +154,7 @@ std::string options_hash(const Options& options) {
   const Options effective = resolved(options);
   FnvHash hash;
   hash.add(name(effective.method));
+  if (effective.preset != Preset::kAuto) hash.add(name(effective.preset));
   for (const OptionInfo& option : option_table()) {
     if (option.name == "threads" || (option.name == "lambda" && effective.method != Method::kFixedLambda)) continue;
     if (const std::optional<double> value = option.get(effective)) {

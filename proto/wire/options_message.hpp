@@ -16,6 +16,12 @@ v1::Method to_message(Method method);
 /// The method of a message; nullopt if it is unspecified or unknown.
 std::optional<Method> from_message(v1::Method method);
 
+/// The message of a preset.
+v1::Preset to_message(Preset preset);
+
+/// The preset of a message; nullopt if it is unspecified or unknown.
+std::optional<Preset> from_message(v1::Preset preset);
+
 /// The message of the options. An option that is unset stays unset, so that the server's default applies.
 v1::SegmentOptions to_message(const Options& options);
 

@@ -115,6 +115,9 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, ViewKi
     warnings.push_back({WarningReason::kPointsNotUsed, fmt::format("{} point{} far beyond the others {} not used", far,
                                                                    far == 1 ? "" : "s", far == 1 ? "is" : "are")});
   }
+  if (!segmentation.unfit_preset.empty()) {
+    warnings.push_back({WarningReason::kPresetNotFit, std::string(segmentation.unfit_preset)});
+  }
   constexpr std::size_t kFewVoxels = 100, kManyPoints = 1000;
   const Resolution& used = segmentation.resolution;
   if (segmentation.segmented_points == 0) {

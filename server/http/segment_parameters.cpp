@@ -24,16 +24,10 @@ namespace {
 constexpr std::size_t kMostParameters = 256, kMostTextBytes = 256;
 constexpr double kMostSeconds = 86'400;
 
-std::string method_names() {
-  std::string names;
-  for (const Method method : all_methods()) names += fmt::format("{}{}", names.empty() ? "" : ", ", name(method));
-  return names;
-}
-
 /// The parameters that are no options of the method.
-constexpr std::array<std::string_view, 13> kOtherParameters{
-    "method",     "outputs",        "include",     "exclude", "larger",     "view", "unit",
-    "intrinsics", "rgb_intrinsics", "depth_scale", "timeout", "request_id", "name"};
+constexpr std::array<std::string_view, 14> kOtherParameters{
+    "method", "preset",     "outputs",        "include",     "exclude", "larger",     "view",
+    "unit",   "intrinsics", "rgb_intrinsics", "depth_scale", "timeout", "request_id", "name"};
 
 std::vector<std::string> parameter_names() {
   std::vector<std::string> names(kOtherParameters.begin(), kOtherParameters.end());
@@ -153,6 +147,12 @@ void Reader::read(const std::string& name, const std::string& value) {
       parameters_.request.options.method = *method;
     } else {
       fault(name, fmt::format("'{}' is not one of {}", value, method_names()));
+    }
+  } else if (name == "preset") {
+    if (const auto preset = preset_from_name(value)) {
+      parameters_.request.options.preset = *preset;
+    } else {
+      fault(name, fmt::format("'{}' is not one of {}", value, preset_names()));
     }
   } else if (name == "outputs") {
     read_outputs(value);

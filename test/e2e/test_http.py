@@ -140,6 +140,10 @@ class Http(EndToEnd):
         self.assertEqual(told, {"colour": "is no parameter", "zzzz": "is no parameter", "out": "is no parameter (did you mean outputs?)",
                                 "treshold": "is no parameter (did you mean threshold?)",
                                 "depth-scale": "is no parameter (did you mean depth_scale?)"})
+        error = self.error(400, self.scene, "preset=kitchen")
+        self.assertEqual(error["fields"][0]["description"], "'kitchen' is not one of auto, tabletop, room, lidar, scan")
+        error = self.error(400, self.scene, "preset=lidar")
+        self.assertEqual(error["fields"][0]["field"], "options.preset")
         broken = b"ply\nformat ascii 1.0\n"
         error = self.error(400, broken)
         done = segctl("segment", "-", "--local", stdin=broken)

@@ -124,6 +124,22 @@ class Summary(EndToEnd):
             self.assertEqual(told["view"], "camera")
             self.assertGreater(told["timings_ms"]["total"], 0)
 
+    def test_a_preset_says_what_kind_of_cloud_it_is(self):
+        sweep, table = self.synth("--lidar", "32", "--street"), self.path("sweep.xyz")
+        fields, body = pcd.read_binary(sweep)
+        points = struct.iter_unpack("<3f" + "4x" * (len(fields) - 3), body)
+        table.write_text("".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in points))  # tells of no sensor
+        for where in (("--local",), ("--server", self.server.address)):
+            labels, told = self._segment(table, "--preset", "lidar", *where)
+            self.assertEqual((told["resolution"]["reason"], told["warnings"]), ("sweep", []))
+            self.assertEqual(labels, self._segment(sweep, *where)[0])
+            _, told = self._segment(self.synth(*SMALL), "--preset", "room", *where)
+            self.assertEqual([warning["reason"] for warning in told["warnings"]], ["PRESET_NOT_FIT"])
+            line = self.run_badly(BAD_INPUT, "segment", table, "--preset", "kitchen", *where)
+            self.assertIn("preset: 'kitchen' is not one of auto, tabletop, room, lidar, scan", line)
+            line = self.run_badly(BAD_INPUT, "segment", self.synth(*SMALL), "--preset", "lidar", *where)
+            self.assertIn("'lidar' needs a WORLD view", line)
+
     def test_falls_back_to_this_process_if_told_to(self):
         scene = self.synth(*SMALL)
         expected, _ = self.segment_locally(scene)

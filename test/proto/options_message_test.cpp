@@ -20,6 +20,17 @@ TEST(WireOptions, EveryMethodRoundTrips) {
   for (const Method method : all_methods()) EXPECT_EQ(from_message(to_message(method)), method);
 }
 
+TEST(WireOptions, EveryPresetRoundTrips) {
+  for (const Preset preset : all_presets()) {
+    EXPECT_EQ(from_message(to_message(preset)), preset);
+    EXPECT_EQ(parse(to_message(Options{.preset = preset})).preset, preset);
+  }
+  v1::SegmentOptions automatic;
+  automatic.set_preset(v1::PRESET_AUTO);
+  EXPECT_EQ(parse(automatic, {.preset = Preset::kRoom}).preset, Preset::kAuto);
+  EXPECT_EQ(parse({}, {.preset = Preset::kRoom}).preset, Preset::kRoom);
+}
+
 TEST(WireOptions, EveryOptionRoundTrips) {
   Options options;
   options.method = Method::kFixedLambda;
@@ -70,6 +81,7 @@ TEST(WireOptions, ACutReplacesTheDefaultCut) {
 TEST(WireOptions, NamesEveryWrongOptionByItsPath) {
   v1::SegmentOptions message;
   message.set_method(static_cast<v1::Method>(42));
+  message.set_preset(static_cast<v1::Preset>(42));
   message.set_voxel_resolution(NAN);
   message.set_lambda(2);
   message.set_threshold(-1);
@@ -78,7 +90,7 @@ TEST(WireOptions, NamesEveryWrongOptionByItsPath) {
   from_message(message, {}, faults);
   std::vector<std::string> fields;
   for (const FieldViolation& fault : faults) fields.push_back(fault.field);
-  EXPECT_THAT(fields, testing::IsSupersetOf({"options.method", "options.voxel_resolution", "options.lambda",
+  EXPECT_THAT(fields, testing::IsSupersetOf({"options.method", "options.preset", "options.voxel_resolution", "options.lambda",
                                              "options.threshold", "options.threads"}));
 }
 
@@ -107,6 +119,8 @@ TEST(OptionsHash, DependsOnWhatDecidesResultsOnly) {
   options.normal_weight = 0.5;
   EXPECT_NE(options_hash(options), hash);
   EXPECT_NE(options_hash({.crop_min_x = 1}), hash);
+  EXPECT_NE(options_hash({.preset = Preset::kRoom}), hash);
+  EXPECT_NE(options_hash({.preset = Preset::kRoom}), options_hash({.preset = Preset::kScan}));
   EXPECT_NE(options_hash({.crop_min_x = 1}), options_hash({.crop_min_y = 1}));
 
   Options by_threshold, by_regions;

@@ -137,6 +137,8 @@ TEST(WireResult, TellsWhatIsProbablyWrong) {
   odd.fitting_resolution = 0.5;
   EXPECT_THAT(reasons(odd), testing::ElementsAre(WarningReason::kPointsNotUsed, WarningReason::kPointsNotUsed,
                                                  WarningReason::kTooSparse));
+  odd.unfit_preset = "the preset has no effect";
+  EXPECT_THAT(reasons(odd), testing::Contains(WarningReason::kPresetNotFit));
   good.voxels = 3;
   EXPECT_THAT(reasons(good), testing::ElementsAre(WarningReason::kTooDense));
   EXPECT_THAT(reasons(Segmentation()), testing::ElementsAre(WarningReason::kNoPoints));

@@ -7,7 +7,7 @@ export {type CloudInput, type CloudOrPayload, encode, type Encoding} from './enc
 export {type ErrorCode, type ErrorDetails, type FieldViolation, SegserveError, TlsError} from './errors.js';
 export {type OptionInfo, type ServerInfo} from './info.js';
 export {DEFAULT_OUTPUTS, METHODS, type OptionName, type OptionValues, type Output, OUTPUTS,
-        type Segmentation} from './options.js';
+        PRESETS, type Segmentation} from './options.js';
 export {type Payload} from './payload.js';
 export {type Pixel, type Place, type Position, type PromptedPoint, type Prompts} from './places.js';
 export {type CallOptions, type SegmentArguments} from './requests.js';

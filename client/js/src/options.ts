@@ -3,13 +3,13 @@
 import {create, ScalarType} from '@bufbuild/protobuf';
 
 import {Compression} from './gen/segserve/v1/block_pb.js';
-import {Method, MethodSchema, type Outputs, OutputsSchema, type SegmentOptions,
+import {Method, MethodSchema, type Outputs, OutputsSchema, Preset, PresetSchema, type SegmentOptions,
         SegmentOptionsSchema} from './gen/segserve/v1/options_pb.js';
 import {oneOf} from './names.js';
 import {hasZstd} from './zstd.js';
 
 /** The names of numeric options, such as "voxelResolution". */
-export type OptionName = Exclude<keyof SegmentOptions, 'method' | 'cut' | '$typeName' | '$unknown'>;
+export type OptionName = Exclude<keyof SegmentOptions, 'method' | 'preset' | 'cut' | '$typeName' | '$unknown'>;
 /** Options by name, which `Client.info()` describes. */
 export type OptionValues = Partial<Record<OptionName, number>>;
 
@@ -17,6 +17,8 @@ export type OptionValues = Partial<Record<OptionName, number>>;
 export interface Segmentation {
   /** The name of a method, such as "border", the default. */
   method?: string;
+  /** What kind of cloud it is: "auto", "tabletop", "room", "lidar" or "scan". Without it, the cloud tells. */
+  preset?: string;
   /** Where the merge tree is cut, 0 to 1. */
   threshold?: number;
   /** The number of segments that the tree is cut to, instead of a threshold. */
@@ -24,7 +26,8 @@ export interface Segmentation {
   options?: OptionValues;
 }
 
-export const SEGMENTATION_NAMES: Record<keyof Segmentation, true> = {method: true, threshold: true, regions: true, options: true};
+export const SEGMENTATION_NAMES: Record<keyof Segmentation, true> =
+    {method: true, preset: true, threshold: true, regions: true, options: true};
 
 /** The parts of a result. */
 export const OUTPUTS = ['labels', 'supervoxels', 'tree', 'segments'] as const;
@@ -52,14 +55,25 @@ function methodNumber(name: string): Method {
   return number as Method;
 }
 
+/** The names of the presets, as on the command line. */
+export const PRESETS: readonly string[] = PresetSchema.values.filter(({number}) => number !== Preset.UNSPECIFIED)
+                                              .map(({localName}) => commandLineName(localName));
+
+function presetNumber(name: string): Preset {
+  const number = PresetSchema.values.find(({localName}) => commandLineName(localName) === name)?.number;
+  if (number === undefined || number === Preset.UNSPECIFIED) oneOf('preset', name, PRESETS);
+  return number as Preset;
+}
+
 const NUMBERS = new Map(SegmentOptionsSchema.fields.filter((field) => field.fieldKind === 'scalar')
                             .map((field) => [field.localName, field.scalar === ScalarType.UINT32]));
 const MOST_UINT32 = 2 ** 32 - 1;
 
 /** The options of a request. RangeError: an unknown name, or two ways to cut. TypeError: a value is no number. */
-export function optionsMessage({method, threshold, regions, options}: Segmentation): SegmentOptions {
+export function optionsMessage({method, preset, threshold, regions, options}: Segmentation): SegmentOptions {
   const message = create(SegmentOptionsSchema);
   if (method !== undefined) message.method = methodNumber(method);
+  if (preset !== undefined) message.preset = presetNumber(preset);
   if (threshold !== undefined && regions !== undefined) {
     throw new RangeError('threshold, regions: the tree can be cut in one of the two ways only');
   }
@@ -98,7 +112,7 @@ export function outputsMessage(outputs: readonly Output[], compressed: boolean):
   return message;
 }
 
-/** The options that are set, by name, without the method. */
+/** The options that are set, by name, without method and preset. */
 export function numbersOf(message: SegmentOptions | undefined): Record<string, number> {
   const numbers: Record<string, number> = {};
   if (message === undefined) return numbers;

@@ -75,9 +75,13 @@ std::string set_method(std::string_view text, NodeOptions& options) {
     options.segmentation.method = *method;
     return {};
   }
-  std::string names;
-  for (const Method known : all_methods()) names += fmt::format("{}{}", names.empty() ? "" : ", ", name(known));
-  return fmt::format("must be one of {}", names);
+  return fmt::format("must be one of {}", method_names());
+}
+
+std::string set_preset(std::string_view text, NodeOptions& options) {
+  const auto preset = preset_from_name(text);
+  if (preset) options.segmentation.preset = *preset;
+  return preset ? "" : fmt::format("must be one of {}", preset_names());
 }
 
 Setter segmentation_setter(const OptionInfo& option) {
@@ -134,6 +138,7 @@ std::vector<Parameter> frame_parameters() {
               [](NodeOptions& o, double value) { o.min_points = static_cast<std::uint32_t>(value); })},
       {{"method", "", std::string(name(Method::kBorder)), "how the dissimilarity of two regions is measured"},
        set_method},
+      {{"preset", "", "auto", fmt::format("what kind of cloud it is: {}", preset_names())}, set_preset},
   };
 }
 

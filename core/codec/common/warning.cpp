@@ -12,7 +12,7 @@ struct Entry {
   std::string_view name;
 };
 
-constexpr std::array<Entry, 13> kReasons{{
+constexpr std::array<Entry, 14> kReasons{{
     {WarningReason::kColorNotUsed, "COLOR_NOT_USED"},
     {WarningReason::kLabelNotUsed, "LABEL_NOT_USED"},
     {WarningReason::kRowsNotUsed, "ROWS_NOT_USED"},
@@ -25,6 +25,7 @@ constexpr std::array<Entry, 13> kReasons{{
     {WarningReason::kImageDamaged, "IMAGE_DAMAGED"},
     {WarningReason::kColorMissing, "COLOR_MISSING"},
     {WarningReason::kCoordinatesRounded, "COORDINATES_ROUNDED"},
+    {WarningReason::kPresetNotFit, "PRESET_NOT_FIT"},
     {WarningReason::kOther, "OTHER"},
 }};
 

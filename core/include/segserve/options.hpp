@@ -31,11 +31,38 @@ std::string_view name(Method method);
 /// The method with this name; nullopt if there is none.
 std::optional<Method> method_from_name(std::string_view name);
 std::span<const Method> all_methods();
+/// Their names, with commas between them, for messages.
+std::string method_names();
+
+/// What kind of cloud it is, for those who know better than the cloud can tell. Only the border method takes one.
+enum class Preset : std::uint8_t {
+  kAuto,  ///< "auto": the view, and the points, decide
+  /// "tabletop": the frame of a camera, also if its file does not say so. The view becomes CAMERA.
+  kTabletop,
+  /// "room": rooms that were scanned or fused from the inside. Surfaces that close face inwards. A camera's frame stays
+  /// one.
+  kRoom,
+  /// "lidar": one turn of a spinning LiDAR. The sensor is at the origin unless the view says where it is, and voxels
+  /// are those of a panorama, however dense the points are.
+  kLidar,
+  /// "scan": things or buildings that were scanned from all around. Surfaces that close face outwards. A camera's frame
+  /// stays one.
+  kScan,
+};
+
+/// The name of a preset, as on the command line and in the API.
+std::string_view name(Preset preset);
+/// The preset with this name; nullopt if there is none.
+std::optional<Preset> preset_from_name(std::string_view name);
+std::span<const Preset> all_presets();
+/// Their names, with commas between them, for messages.
+std::string preset_names();
 
 /// The options of a segmentation. An option that is unset takes the method's default (`resolved`). `option_table` holds
 /// the units and ranges of all options.
 struct Options {
   Method method = Method::kBorder;
+  Preset preset = Preset::kAuto;
   /// Edge of a voxel, meters. In a CAMERA view it is the edge at 1 m distance, and grows in proportion to z. If it is
   /// unset, the border method takes one that fits the cloud (Segmentation::resolution).
   std::optional<double> voxel_resolution = std::nullopt;
@@ -118,7 +145,12 @@ std::optional<FieldViolation> violation(const OptionInfo& option, double value);
 /// All faults of the options; empty if they are valid.
 std::vector<FieldViolation> violations(const Options& options);
 
-/// The faults that options, valid in themselves, have for a cloud in this view: a range needs a known sensor.
+/// The view in which a cloud with this view is segmented: CAMERA with kTabletop; with kLidar a WORLD view without a sensor
+/// gets one at the origin; else the same view.
+View segmented_view(const View& view, Preset preset);
+
+/// The faults that options, valid in themselves, have for a cloud in this view: a range needs a known sensor, kTabletop
+/// none elsewhere than at the origin, and kLidar a WORLD view of a single sensor.
 std::vector<FieldViolation> violations(const Options& options, const View& view);
 
 /// The faults of the options as a status: INVALID_ARGUMENT that names every wrong option, or OK.

@@ -53,6 +53,9 @@ describe('options', () => {
     assert.ok(METHODS.includes('border') && METHODS.includes('equalization-convex') && !METHODS.includes('unspecified'));
     const message = optionsMessage({method: 'fixed-lambda', threshold: 0, options: {lambda: 0.5, minSegmentPoints: 10}});
     assert.deepEqual([message.lambda, message.minSegmentPoints, message.cut], [0.5, 10, {case: 'threshold', value: 0}]);
+    assert.equal(optionsMessage({preset: 'lidar'}).preset, 4);
+    assert.throws(() => optionsMessage({preset: 'street'}), /preset: there is no 'street'; there are auto, tabletop, /);
+    assert.throws(() => optionsMessage({options: {preset: 4}}), /options: there is no 'preset'/);
     assert.throws(() => optionsMessage({options: {cropMinX: '1'}}), /cropMinX: 1 is not a number/);
     assert.throws(() => optionsMessage({options: {threads: -1}}), /threads: -1 is not a whole number/);
     assert.throws(() => optionsMessage({options: {regions: 3}}), /options: there is no 'regions'/);

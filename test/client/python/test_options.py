@@ -19,6 +19,8 @@ class Options(unittest.TestCase):
         self.assertEqual(numbers_of(message), {"regions": 12, "voxel_resolution": 0.01, "threads": 2})
         self.assertEqual(numbers_of(options_message(None, 0.25, None, None)), {"threshold": 0.25})
         self.assertEqual(options_message(None, None, None, None), options_pb2.SegmentOptions())
+        with_preset = options_message(None, None, None, {"preset": "lidar", "threads": 2})
+        self.assertEqual((with_preset.preset, numbers_of(with_preset)), (options_pb2.PRESET_LIDAR, {"threads": 2}))
 
     def test_that_make_no_sense_are_refused(self):
         for arguments, error, message in (
@@ -27,6 +29,8 @@ class Options(unittest.TestCase):
                 ((None, None, None, {"regions": 3, "threshold": 0.1}), ValueError, "not both"),
                 ((None, None, None, {"voxel_resolutoin": 1}), ValueError, "did you mean 'voxel_resolution'"),
                 ((None, None, None, {"method": 1}), ValueError, "there is no 'method'"),
+                ((None, None, None, {"preset": "Lidar"}), ValueError, "preset: there is no 'Lidar'"),
+                ((None, None, None, {"preset": 4}), ValueError, "preset: there is no '4'"),
                 ((None, None, None, {"lambda": "much"}), TypeError, "lambda: 'much' is not a number"),
                 ((None, None, None, {"threads": 1.5}), ValueError, "not a whole number"),
                 ((None, None, -1, None), ValueError, "not a whole number")):

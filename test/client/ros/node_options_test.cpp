@@ -41,7 +41,8 @@ TEST(NodeOptions, TakeTheDefaultsOfTheTable) {
 TEST(NodeOptions, ComeFromParameters) {
   const auto options = parse_parameters({{"address", "robot:1,robot:2"},
                                          {"view", "world:1,2,3"},
-                                         {"method", "lambda-convex"},
+                                         {"method", "border"},
+                                         {"preset", "lidar"},
                                          {"threshold", "0.25"},
                                          {"range_max", "4"},
                                          {"threads", "2"},
@@ -57,7 +58,8 @@ TEST(NodeOptions, ComeFromParameters) {
   ASSERT_TRUE(options.ok()) << options.status();
   EXPECT_EQ(options->client.address, "robot:1,robot:2");
   EXPECT_EQ(options->view, View::world(1, 2, 3));
-  EXPECT_EQ(options->segmentation.method, Method::kLambdaConvex);
+  EXPECT_EQ(options->segmentation.method, Method::kBorder);
+  EXPECT_EQ(options->segmentation.preset, Preset::kLidar);
   EXPECT_EQ(options->segmentation.threshold, 0.25);
   EXPECT_EQ(options->segmentation.range_max, 4);
   EXPECT_EQ(options->segmentation.threads, 2U);
@@ -78,6 +80,7 @@ TEST(NodeOptions, EveryWrongParameterIsNamed) {
                                          {"voxel_resolution", "-1"},
                                          {"view", "above"},
                                          {"method", "best"},
+                                         {"preset", "kitchen"},
                                          {"track", "1"},
                                          {"max_in_flight", "2.5"},
                                          {"time_to_live", "nan"}});
@@ -86,7 +89,8 @@ TEST(NodeOptions, EveryWrongParameterIsNamed) {
       std::string(options.status().message()),
       AllOf(HasSubstr("treshold: there is no such parameter"), HasSubstr("threshold: 'high' must be a number"),
             HasSubstr("voxel_resolution: '-1'"), HasSubstr("view: 'above' must be camera"),
-            HasSubstr("method: 'best' must be one of border"), HasSubstr("track: '1' must be true or false"),
+            HasSubstr("method: 'best' must be one of border"),
+            HasSubstr("preset: 'kitchen' must be one of auto, tabletop"), HasSubstr("track: '1' must be true or false"),
             HasSubstr("max_in_flight: '2.5' must be a whole number from 1 to 1024"), HasSubstr("time_to_live: 'nan'")));
 }
 

@@ -72,8 +72,8 @@ Cloud closed_box(float width, float depth, float height, float yaw) {
 }
 
 /// The share of the normals by orient_as_seen that point away from the middle.
-double outward_share(const Cloud& cloud, double voxel) {
-  const test::TestFrame frame(cloud, {.voxel_resolution = voxel});
+double outward_share(const Cloud& cloud, double voxel, Preset preset = Preset::kAuto) {
+  const test::TestFrame frame(cloud, {.preset = preset, .voxel_resolution = voxel});
   VoxelGrid grid;
   VoxelAdjacency adjacency;
   std::vector<Vec3> normals;
@@ -96,6 +96,15 @@ TEST(OrientAsSeen, TheSidesOfAThingFaceItsOutside) {
   for (const float yaw : {0.0F, 0.3F, 0.7F, 1.1F, 2.0F}) {
     EXPECT_GT(outward_share(closed_box(0.5F, 0.4F, 0.25F, yaw), 0.005), 0.98) << yaw;
   }
+}
+
+TEST(OrientAsSeen, APresetSaysFromWhichSideAClosedSurfaceIsSeen) {
+  const Cloud room = closed_box(2, 1.2F, 0.8F, 0.3F);  // a dollhouse, or a cabin
+  EXPECT_GT(outward_share(room, 0.02), 0.98);
+  EXPECT_LT(outward_share(room, 0.02, Preset::kRoom), 0.02);
+  const Cloud house = closed_box(12, 9, 6, 0.3F);
+  EXPECT_LT(outward_share(house, 0.1), 0.02);
+  EXPECT_GT(outward_share(house, 0.1, Preset::kScan), 0.98);
 }
 
 TEST(OrientHiddenNormals, TurnsTheUndersideOfABoardDown) {

@@ -147,6 +147,38 @@ TEST(Methods, HaveNamesThatLeadBackToThem) {
   EXPECT_EQ(method_from_name("nonsense"), std::nullopt);
 }
 
+TEST(Presets, HaveNamesThatLeadBackToThem) {
+  EXPECT_EQ(preset_names(), "auto, tabletop, room, lidar, scan");
+  for (const Preset preset : all_presets()) EXPECT_EQ(preset_from_name(name(preset)), preset);
+  EXPECT_EQ(preset_from_name("Room"), std::nullopt);
+}
+
+TEST(Presets, SayInWhichViewACloudIsSegmented) {
+  for (const View& view : {View::camera(), View::world(), View::world(1, 2, 3)}) {
+    for (const Preset preset : {Preset::kAuto, Preset::kRoom, Preset::kScan}) {
+      EXPECT_EQ(segmented_view(view, preset), view);
+    }
+    EXPECT_EQ(segmented_view(view, Preset::kTabletop), View::camera());
+  }
+  EXPECT_EQ(segmented_view(View::world(), Preset::kLidar), View::world(0, 0, 0));
+  EXPECT_EQ(segmented_view(View::world(1, 2, 3), Preset::kLidar), View::world(1, 2, 3));
+}
+
+TEST(Presets, AreRefusedWhereTheyContradictOtherOptionsOrTheView) {
+  const auto fault = [](const Options& options, const View& view = View::world()) {
+    return std::string(check(options, view).message());
+  };
+  EXPECT_EQ(fault({.method = Method::kColor, .preset = Preset::kRoom}),
+            "preset: 'room' is for the method border, not for color");
+  EXPECT_THAT(fault({.preset = Preset::kLidar, .voxel_resolution = 0.1}), HasSubstr("preset: 'lidar' makes voxels"));
+  EXPECT_THAT(fault({.preset = static_cast<Preset>(9)}), HasSubstr("preset: 9 is no preset"));
+  EXPECT_THAT(fault({.preset = Preset::kTabletop}, View::world(0, 0, 1)), HasSubstr("not at the origin"));
+  EXPECT_EQ(fault({.preset = Preset::kTabletop}, View::world(0, 0, 0)), "");
+  EXPECT_THAT(fault({.preset = Preset::kLidar}, View::camera()), HasSubstr("WORLD view of one sensor"));
+  EXPECT_THAT(fault({.preset = Preset::kLidar}, View::of_cameras({{.points = 1}})), HasSubstr("WORLD view of one"));
+  EXPECT_EQ(fault({.preset = Preset::kLidar, .range_max = 50}), "") << "the sensor is at the origin";
+}
+
 TEST(Methods, HaveThePapersThresholds) {
   EXPECT_EQ(default_threshold(*method_from_name("color")), 0.10);
   EXPECT_EQ(default_threshold(*method_from_name("geometry")), 0.29);

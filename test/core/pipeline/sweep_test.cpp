@@ -8,6 +8,7 @@
 #include <map>
 #include <numeric>
 #include <random>
+#include <string_view>
 #include <vector>
 
 #include "segserve/segment.hpp"
@@ -51,6 +52,41 @@ TEST(Sweep, KeepsTheGroundWholeAndCarsApart) {
       EXPECT_NE(first.label, second.label) << "surfaces " << a << " and " << b;
     }
   }
+}
+
+TEST(Sweep, APresetDecidesWhetherItIsOne) {
+  test::Street street{.rings = 250, .ring = 0.15, .azimuth = 0.1, .boxes = {{{3, 2, -1.8F}, {7, 4, -0.3F}}}};
+  const Cloud dense = street.sweep();
+  EXPECT_NE(segment(dense, {})->resolution.reason, ResolutionReason::kSweep) << "fine cubes hold enough points";
+  const Segmentation as_lidar = *segment(dense, {.preset = Preset::kLidar});
+  EXPECT_EQ(as_lidar.resolution.reason, ResolutionReason::kSweep);
+  EXPECT_EQ(as_lidar.unfit_preset, "");
+
+  Cloud nowhere = test::Street().sweep();
+  nowhere.view = View::world();
+  EXPECT_EQ(segment(nowhere, {.preset = Preset::kLidar})->resolution.reason, ResolutionReason::kSweep);
+  nowhere.view = View::world(0, 0, 0);
+  EXPECT_EQ(segment(nowhere, {})->resolution.reason, ResolutionReason::kSweep);
+  for (const Preset preset : {Preset::kRoom, Preset::kScan}) {
+    const Segmentation cubes = *segment(nowhere, {.preset = preset});
+    EXPECT_NE(cubes.resolution.reason, ResolutionReason::kSweep);
+    EXPECT_EQ(cubes.unfit_preset, "");
+  }
+}
+
+TEST(Sweep, APresetThatDoesNotFitIsTold) {
+  const Cloud cloud = test::random_cloud(20000, 3, 0, View::world());
+  const Segmentation cubes = *segment(cloud, {.preset = Preset::kLidar});
+  EXPECT_NE(cubes.resolution.reason, ResolutionReason::kSweep);
+  EXPECT_NE(cubes.unfit_preset.find("rings of a spinning LiDAR"), std::string_view::npos);
+  Cloud frame = test::unorganized(View::camera());
+  test::add_patch(frame, 0, 0, 1, 0.3F, 0.005F, 0);
+  EXPECT_NE(segment(frame, {.preset = Preset::kRoom})->unfit_preset, "");
+  EXPECT_EQ(segment(frame, {.preset = Preset::kTabletop})->unfit_preset, "");
+  frame.view = View::world();
+  const Segmentation as_frame = *segment(frame, {.preset = Preset::kTabletop});
+  frame.view = View::camera();
+  EXPECT_EQ(as_frame.labels, segment(frame, {})->labels);
 }
 
 TEST(Sweep, DoesNotDependOnTheOrderOfThePointsNorOnThreads) {

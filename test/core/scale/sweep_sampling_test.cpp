@@ -76,6 +76,19 @@ TEST(SweepSampling, IsNotDeceivedByOtherClouds) {
   EXPECT_FALSE(sampling_of(few));
 }
 
+TEST(SweepSampling, BelievesAPresetThatItIsASweep) {
+  Cloud cloud = test::Street().sweep();
+  cloud.view = View::world(0, 0, 0);
+  // Second echoes far behind half of the points: many surfaces a ray.
+  for (std::size_t i = 0, n = cloud.size(); i < n; i += 2) {
+    test::add(cloud, 1.5F * cloud.x[i] + 0.001F, 1.5F * cloud.y[i], 1.5F * cloud.z[i], 0);
+  }
+  EXPECT_FALSE(sampling_of(cloud));
+  const auto sampling = sampling_of(cloud, {.preset = Preset::kLidar});
+  ASSERT_TRUE(sampling);
+  EXPECT_NEAR(sampling->ring, 0.4 * math::kDegree, 0.02 * math::kDegree);
+}
+
 TEST(SweepSampling, KnowsASensorThatMovesDuringTheTurn) {
   test::Street street;
   for (const double meters : {0.05, 0.5, 1.4}) {

@@ -45,8 +45,8 @@ const MOST_PRIORITY = 2 ** 31 - 1;
  */
 export function frameRequest(frame: FrameArguments, stream: StreamOptions, encoding: Encoding, now: number): FrameRequest {
   refuseUnknown<FrameArguments>('frame', frame, FRAME_NAMES);
-  const {method, threshold, regions, options, outputs, captured = now, timeToLiveMs, priority = 0, timeoutMs} = frame;
-  const hasOwn = [method, threshold, regions, options].some((value) => value !== undefined);
+  const {method, preset, threshold, regions, options, outputs, captured = now, timeToLiveMs, priority = 0, timeoutMs} = frame;
+  const hasOwn = [method, preset, threshold, regions, options].some((value) => value !== undefined);
   if (timeToLiveMs !== undefined && !(timeToLiveMs >= 0)) {
     throw new RangeError(`timeToLiveMs: ${timeToLiveMs} ms is not 0 or more`);
   }

@@ -23,7 +23,7 @@ from segserve.errors import (Aborted, AlreadyExists, Cancelled, DataLoss, Deadli
                              PermissionDenied, ResourceExhausted, TlsError, Unauthenticated, Unavailable, Unimplemented,
                              Unknown)
 from segserve.info import OptionInfo, ServerInfo
-from segserve.options import METHODS, OUTPUTS
+from segserve.options import METHODS, OUTPUTS, PRESETS
 from segserve.payload import Payload
 from segserve.result import Placement, Resolution, Result, ResultWarning, SupportPlane
 from segserve.rgbd import Intrinsics, encode_rgbd
@@ -38,6 +38,7 @@ __all__ = [
     "CODECS",
     "METHODS",
     "OUTPUTS",
+    "PRESETS",
     "Aborted",
     "AlreadyExists",
     "Camera",

@@ -110,7 +110,7 @@ class Client:
         self._channels = Channels(self._settings)
 
     def segment(self, points: Any, rgb: Any = None, *, view: ViewLike = None, method: str | None = None,
-                threshold: float | None = None, regions: int | None = None, options: Mapping[str, float] | None = None,
+                threshold: float | None = None, regions: int | None = None, options: Mapping[str, float | str] | None = None,
                 codec: str | None = None, error_bound: float = DEFAULT_ERROR_BOUND, unit: str = "m",
                 outputs: Collection[str] = DEFAULT_OUTPUTS, prompts: Prompts | None = None,
                 timeout: float | None = None, request_id: str = "",
@@ -123,7 +123,8 @@ class Client:
         of ROS, or a Payload of encode().
         view: "camera" (z forward, the sensor at the origin), "world" or "world:X,Y,Z" (the position of the sensor).
         None: the server chooses by the points, which Result.view tells.
-        method, threshold, regions, options: how it is segmented. info() tells names, ranges and defaults.
+        method, threshold, regions, options: how it is segmented. info() tells names, ranges and defaults. options
+            may also hold "preset", what kind of cloud it is: auto, tabletop, room, lidar or scan.
         codec, error_bound, unit: see encode().
         outputs: which of labels, supervoxels, tree and segments the result holds.
         prompts: places on an object and beside it, of which Result.selection tells what they select.
@@ -177,7 +178,7 @@ class Client:
 
     def stream(self, *, view: ViewLike = None, codec: str | None = None, error_bound: float = DEFAULT_ERROR_BOUND,
                unit: str = "m", method: str | None = None, threshold: float | None = None, regions: int | None = None,
-               options: Mapping[str, float] | None = None, **rules: Any) -> Stream:
+               options: Mapping[str, float | str] | None = None, **rules: Any) -> Stream:
         """Opens a stream of frames. Does not wait for a server.
 
         The named arguments are those of segment(), for frames that have none of their own. `rules` are the members of

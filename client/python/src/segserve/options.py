@@ -13,6 +13,9 @@ _PREFIX = "METHOD_"
 #: The names of the methods, as on the command line.
 METHODS = tuple(
     name[len(_PREFIX):].lower().replace("_", "-") for name, number in options_pb2.Method.items() if number != 0)
+_PRESET_PREFIX = "PRESET_"
+#: The names of the presets: what kind of cloud it is.
+PRESETS = tuple(name[len(_PRESET_PREFIX):].lower() for name, number in options_pb2.Preset.items() if number != 0)
 OUTPUTS = ("labels", "supervoxels", "tree", "segments")
 #: The arrays that a result holds unless the caller says otherwise. With supervoxels and tree, any cut can be made
 #: later.
@@ -38,11 +41,19 @@ def method_name(number: int) -> str:
     return str(options_pb2.Method.Name(number))[len(_PREFIX):].lower().replace("_", "-")
 
 
+def preset_number(name: Any) -> int:
+    """ValueError if there is no preset of this name."""
+    if name not in PRESETS:
+        raise ValueError(f"preset: there is no '{name}'{_did_you_mean(str(name), PRESETS)}")
+    return int(options_pb2.Preset.Value(_PRESET_PREFIX + name.upper()))
+
+
 def options_message(method: str | None, threshold: float | None, regions: int | None,
-                    options: Mapping[str, float] | None) -> options_pb2.SegmentOptions:
+                    options: Mapping[str, float | str] | None) -> options_pb2.SegmentOptions:
     """The options of a request. What is None has the server's default. The server checks ranges.
 
-    ValueError: an unknown method or option, two ways to cut, or a value that the field cannot hold. TypeError: no
+    options: numbers by name, and a name of PRESETS as "preset".
+    ValueError: an unknown method, preset or option, two ways to cut, or a value that the field cannot hold. TypeError: no
     number.
     """
     message = options_pb2.SegmentOptions()
@@ -60,6 +71,8 @@ def options_message(method: str | None, threshold: float | None, regions: int | 
         given[name] = value
     if {"threshold", "regions"} <= given.keys():
         raise ValueError("options: the tree can be cut at a threshold or a number of regions, not both")
+    if "preset" in given:
+        setattr(message, "preset", preset_number(given.pop("preset")))
     for name, value in given.items():
         if name == "method" or name not in fields:
             raise ValueError(f"options: there is no '{name}'{_did_you_mean(name, set(fields) - {'method'})}")
@@ -97,5 +110,5 @@ def outputs_message(outputs: Collection[str], compressed: bool) -> options_pb2.O
 
 
 def numbers_of(message: options_pb2.SegmentOptions) -> dict[str, float]:
-    """The options that are set, by name, without the method."""
-    return {field.name: value for field, value in message.ListFields() if field.name != "method"}
+    """The options that are set, by name, without method and preset."""
+    return {field.name: value for field, value in message.ListFields() if field.name not in ("method", "preset")}

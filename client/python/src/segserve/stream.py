@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 def frame_request(stream: StreamOptions, payload: Payload, *, method: str | None, threshold: float | None,
-                  regions: int | None, options: Mapping[str, float] | None, outputs: Collection[str] | None,
+                  regions: int | None, options: Mapping[str, float | str] | None, outputs: Collection[str] | None,
                   prompts: Prompts | None, request_id: str, frame_id: str, stamp: datetime.datetime | None, captured: float | None,
                   time_to_live: float | None, priority: int, timeout: float | None, now: float,
                   pose: Any = None) -> FrameRequest:
@@ -88,7 +88,7 @@ class Stream:
     # The application's calls.
 
     def send(self, points: Any, rgb: Any = None, *, view: ViewLike = None, method: str | None = None,
-             threshold: float | None = None, regions: int | None = None, options: Mapping[str, float] | None = None,
+             threshold: float | None = None, regions: int | None = None, options: Mapping[str, float | str] | None = None,
              outputs: Collection[str] | None = None, prompts: Prompts | None = None, request_id: str = "",
              frame_id: str = "",
              stamp: datetime.datetime | None = None, captured: float | None = None, time_to_live: float | None = None,

@@ -23,6 +23,7 @@ enum class WarningReason : std::uint8_t {
   kColorMissing,      ///< points that the color image does not show
   /// coordinates so far from 0 that floats of 32 bits, which the file has, are coarse beside the distance of the points
   kCoordinatesRounded,
+  kPresetNotFit,  ///< the cloud is not of the kind that the preset says
   kOther,  ///< a reason that this version does not know
 };
 

@@ -97,7 +97,7 @@ class Client:
                       method: str | None = None,
                       threshold: float | None = None,
                       regions: int | None = None,
-                      options: Mapping[str, float] | None = None,
+                      options: Mapping[str, float | str] | None = None,
                       codec: str | None = None,
                       error_bound: float = DEFAULT_ERROR_BOUND,
                       unit: str = "m",
@@ -141,7 +141,7 @@ class Client:
 
     def stream(self, *, view: ViewLike = None, codec: str | None = None, error_bound: float = DEFAULT_ERROR_BOUND,
                unit: str = "m", method: str | None = None, threshold: float | None = None, regions: int | None = None,
-               options: Mapping[str, float] | None = None, **rules: Any) -> Stream:
+               options: Mapping[str, float | str] | None = None, **rules: Any) -> Stream:
         """Opens a stream of frames, in a running event loop; see segserve.Client.stream."""
         return Stream(self._channels, calls.stream_rules(options_message(method, threshold, regions, options), rules),
                       Encoding(view, codec, error_bound, unit))

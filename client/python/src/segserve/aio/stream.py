@@ -66,7 +66,7 @@ class Stream:
                    method: str | None = None,
                    threshold: float | None = None,
                    regions: int | None = None,
-                   options: Mapping[str, float] | None = None,
+                   options: Mapping[str, float | str] | None = None,
                    outputs: Collection[str] | None = None,
                    prompts: Prompts | None = None,
                    request_id: str = "",
