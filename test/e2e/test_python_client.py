@@ -1,70 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The package of client/python gives what segctl gives, for every codec, and loses no frame when servers stop.
+"""The package of client/python gives what segctl gives, for every codec.
 
 PYTHON_CLIENT_DIR is the folder client/python; the package that was built of it is in PYTHONPATH.
 """
-import asyncio
 import datetime
-import importlib.util
 import json
 import os
 import pathlib
-import shutil
 import subprocess
-import tempfile
-import threading
-import time
 import types
 import unittest
 
 import numpy as np
 import segserve
 
-from certificates import Authority
-from harness import DATA, EndToEnd, Server
+from harness import DATA
 import pcd
 import png
+from python_client import CODECS, PythonClient, arrays
 
 SOURCE = pathlib.Path(os.environ["PYTHON_CLIENT_DIR"])
-CODECS = [codec for codec in segserve.CODECS if segserve.zstd.is_there() or codec in ("planar", "strided", "pcd")]
-
-
-def arrays(path):
-    """xyz and rgb of an organized PCD file of four columns."""
-    content = path.read_bytes()
-    head, body = content.split(b"DATA binary\n", 1)
-    lines = dict(line.split(" ", 1) for line in head.decode().splitlines() if " " in line)
-    fields = lines["FIELDS"].split()
-    points = np.frombuffer(body, np.dtype([(name, "<u4" if name in ("rgb", "label") else "<f4") for name in fields]))
-    points = points.reshape(int(lines["HEIGHT"]), int(lines["WIDTH"]))
-    xyz = np.stack([points[name] for name in "xyz"], axis=-1)
-    rgb = np.stack([points["rgb"] >> shift & 255 for shift in (16, 8, 0)], axis=-1).astype(np.uint8)
-    return xyz, rgb
-
-
-class PythonClient(EndToEnd):
-    """A scene that was synthesized, with holes, and what segctl says of it."""
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.scene = cls.folder / "scene.pcd"
-        cls().run_well("synth", "-o", cls.scene, "--quiet", "--seed", "3", "--width", "160", "--height", "120")
-        cls.xyz, cls.rgb = arrays(cls.scene)
-        assert np.isnan(cls.xyz).any(), "the scene has no holes"
-        cls.client = segserve.Client(cls.server.address)
-        cls.addClassCleanup(cls.client.close)
-
-    def runTest(self):
-        """Only so that setUpClass can use our methods."""
-
-    def by_segctl(self, *flags, scene=None):
-        labels, summary = self.segment(self.scene if scene is None else scene, *flags)
-        return np.array(labels, np.uint32), summary
-
-    def assert_labels(self, found, expected):
-        np.testing.assert_array_equal(found.reshape(-1), expected)
-        self.assertEqual(found.dtype, np.uint32)
 
 
 class SameLabels(PythonClient):
@@ -338,257 +293,6 @@ class OverTime(PythonClient):
             stream.send(xyz, rgb, pose=np.eye(4))
 
 
-class Streams(PythonClient):
-    """Two servers of their own, one of which stops while frames are under way."""
-
-    FRAMES = 24
-
-    def setUp(self):
-        self.expected = self.client.segment(self.xyz, self.rgb, view="camera").labels
-        self.pair = [Server(self.folder) for _ in range(2)]
-        for server in self.pair:
-            self.addCleanup(server.close)
-        self.addresses = ",".join(server.address for server in self.pair)
-
-    def check(self, outcomes, count):
-        self.assertEqual([outcome.sequence for outcome in outcomes], list(range(1, count + 1)))
-        for outcome in outcomes:
-            np.testing.assert_array_equal(outcome.get().labels, self.expected)
-
-    def run_through(self, stop):
-        """Sends frames while the server that has them stops; all come back, the last ones from the other."""
-        with segserve.Client(self.addresses) as client, client.stream(view="camera", max_in_flight=4) as stream:
-            outcomes = []
-            for outcome in stream.map([(self.xyz, self.rgb)] * self.FRAMES):
-                outcomes.append(outcome)
-                if len(outcomes) == 5:
-                    stop(next(server for server in self.pair if server.address == outcome.report.address))
-            self.check(outcomes, self.FRAMES)
-            self.assertEqual(len({outcome.report.address for outcome in outcomes}), 2)
-            return outcomes
-
-    def test_kill_loses_no_frame(self):
-        outcomes = self.run_through(lambda server: server.close())
-        self.assertGreater(max(outcome.report.attempts for outcome in outcomes), 1)
-
-    def test_drain_loses_no_frame(self):
-        thread = []
-
-        def drain(server):
-            thread.append(threading.Thread(target=server.terminate))
-            thread[0].start()
-
-        outcomes = self.run_through(drain)
-        thread[0].join()
-        # A frame whose header the server read after SIGTERM is sent again, elsewhere.
-        self.assertLessEqual(max(outcome.report.attempts for outcome in outcomes), 2)
-
-    def test_asyncio_with_a_kill(self):
-        async def run():
-            async with segserve.aio.Client(self.addresses) as client:
-                self.assertTrue(await client.health())
-                self.assertEqual((await client.info()).version, self.client.info().version)
-                one = await client.segment(self.xyz, self.rgb, view="camera")
-                np.testing.assert_array_equal(one.labels, self.expected)
-                outcomes = []
-                async with client.stream(view="camera") as stream:
-                    async for outcome in stream.map([(self.xyz, self.rgb)] * self.FRAMES):
-                        outcomes.append(outcome)
-                        if len(outcomes) == 5:
-                            next(server for server in self.pair if server.address == outcome.report.address).close()
-                return outcomes
-
-        outcomes = asyncio.run(run())
-        self.check(outcomes, self.FRAMES)
-        self.assertEqual(len({outcome.report.address for outcome in outcomes}), 2)
-
-    def frames_for(self, seconds):
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            yield self.xyz, self.rgb
-
-    def check_moved(self, outcomes):
-        self.check(outcomes, len(outcomes))
-        self.assertEqual({outcome.report.attempts for outcome in outcomes}, {1})
-        self.assertEqual({outcome.report.address for outcome in outcomes}, set(self.addresses.split(",")))
-
-    def test_old_streams_move_and_send_no_frame_twice(self):
-        self.pair = [Server(self.folder, "--max-stream-age", "0.3") for _ in range(2)]
-        for server in self.pair:
-            self.addCleanup(server.close)
-        self.addresses = ",".join(server.address for server in self.pair)
-        with segserve.Client(self.addresses) as client, client.stream(view="camera") as stream:
-            self.check_moved(list(stream.map(self.frames_for(1.5))))
-
-        async def run():
-            async with segserve.aio.Client(self.addresses) as client, client.stream(view="camera") as stream:
-                return [outcome async for outcome in stream.map(self.frames_for(1.5))]
-
-        self.check_moved(asyncio.run(run()))
-
-    def test_other_codecs_options_and_outcomes(self):
-        for codec in CODECS:
-            with self.client.stream(view="camera", codec=codec, method="lambda", outputs="labels") as stream:
-                stream.send(self.xyz, self.rgb, request_id="a", frame_id="camera", time_to_live=20)
-                stream.send(self.xyz, self.rgb, regions=5, outputs=("labels", "tree"))
-                stream.send(self.xyz, self.rgb, options={"voxel_resolution": 100})
-                stream.finish()
-                first, second, third = stream
-            expected, _ = self.by_segctl("--codec", codec, "--method", "lambda")
-            self.assert_labels(first.get().labels, expected)
-            self.assertEqual((first.request_id, first.frame_id, first.get().frame_id, first.get().tree),
-                             ("a", "camera", "camera", None))
-            self.assertEqual((second.get().segment_count, second.get().method), (5, "border"))
-            self.assertEqual(third.kind, segserve.OutcomeKind.FAILED)
-            with self.assertRaises(segserve.InvalidArgument):
-                third.get()
-
-    def test_a_cancelled_frame_ends_and_the_next_one_passes(self):
-        with self.client.stream(view="camera", max_in_flight=1, max_waiting=3, order="done") as stream:
-            numbers = [stream.send(self.xyz, self.rgb) for _ in range(3)]
-            stream.cancel(numbers[2])
-            stream.finish()
-            kinds = {outcome.sequence: outcome.kind.value for outcome in stream}
-        self.assertEqual(kinds, {1: "RESULT", 2: "RESULT", 3: "CANCELLED"})
-
-
-class ThroughTls(PythonClient):
-    """A server that asks for certificates, with those of an authority of the test."""
-
-    @classmethod
-    def setUpClass(cls):
-        certificates = pathlib.Path(tempfile.mkdtemp(prefix="segserve-e2e-tls-"))
-        cls.addClassCleanup(shutil.rmtree, certificates)
-        cls.authority, cls.stranger = Authority(certificates, "authority"), Authority(certificates, "stranger")
-        certificate, key = cls.authority.sign("server")
-        cls.ca = cls.authority.certificate
-        cls.server_flags = ("--tls-cert", str(certificate), "--tls-key", str(key), "--tls-client-ca", str(cls.ca))
-        super().setUpClass()
-
-    def test_calls_and_streams(self):
-        certificate, key = self.authority.sign("robot")
-        tls = segserve.Tls(ca=self.ca, cert=certificate, key=key)
-        with segserve.Client(self.server.address, tls=tls) as client:
-            labels = client.segment(self.xyz, self.rgb, view="camera").labels
-            with client.stream(view="camera") as stream:
-                for outcome in stream.map([(self.xyz, self.rgb)] * 3):
-                    np.testing.assert_array_equal(outcome.get().labels, labels)
-
-    def test_why_a_connection_fails_is_said_at_once(self):
-        certificate, key = self.stranger.sign("robot")
-        for tls, message in ((None, "the server speaks TLS"), (segserve.Tls(ca=self.ca), "it asks for a certificate"),
-                             (segserve.Tls(ca=self.stranger.certificate), "is not believed"),
-                             (segserve.Tls(ca=self.ca, cert=certificate, key=key), "does not believe the client's")):
-            with segserve.Client(self.server.address, tls=tls, wait_for_server=True) as client:
-                began = time.monotonic()
-                with self.subTest(message), self.assertRaisesRegex(segserve.TlsError, message):
-                    client.health(timeout=60)
-                self.assertLess(time.monotonic() - began, 20)
-
-
-@unittest.skipUnless(importlib.util.find_spec("segserve._local"), "segserve.local was not built")
-class Local(PythonClient):
-    """segserve.local gives what the server gives, without it."""
-
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.local = importlib.import_module("segserve.local")
-
-    def assert_same(self, ours, theirs):
-        self.assertEqual(ours.labels.shape, theirs.labels.shape)
-        for name in ("labels", "supervoxels", "segments"):
-            self.assertEqual(getattr(ours, name).tobytes(), getattr(theirs, name).tobytes(), name)
-        for name in ("leaf_points", "left", "right", "weight", "merged_rows"):
-            np.testing.assert_array_equal(getattr(ours.tree, name), getattr(theirs.tree, name))
-        for summary in (ours.summary, theirs.summary):
-            summary.ClearField("timings")
-        self.assertEqual(ours.summary, theirs.summary)
-
-    def test_the_same_as_a_server_for_every_codec(self):
-        for codec in CODECS:
-            arguments = {"codec": codec, "view": "camera", "outputs": segserve.OUTPUTS}
-            with self.subTest(codec):
-                self.assert_same(self.local.segment(self.xyz, self.rgb, **arguments),
-                                 self.client.segment(self.xyz, self.rgb, **arguments))
-
-    def test_with_options_units_files_and_images(self):
-        everything = {"outputs": segserve.OUTPUTS}
-        for arguments in ({
-                "method": "lambda",
-                "regions": 9
-        }, {
-                "view": "world:0,0,-1",
-                "options": {
-                    "support_plane_distance": 0.01
-                }
-        }, {
-                "view": "camera",
-                "options": {
-                    "range_max": 1.2
-                }
-        }, {
-                "view": "world",
-                "unit": "cm"
-        }, {
-                "options": {
-                    "crop_max_x": 0.1,
-                    "min_segment_points": 50
-                }
-        }):
-            with self.subTest(arguments):
-                self.assert_same(self.local.segment(self.xyz, self.rgb, **arguments, **everything),
-                                 self.client.segment(self.xyz, self.rgb, **arguments, **everything))
-        far = self.xyz.astype(np.float64) + 500_000
-        self.assert_same(self.local.segment(far, view="world", **everything),
-                         self.client.segment(far, view="world", **everything))
-        self.assert_same(self.local.segment_file(self.scene, **everything),
-                         self.client.segment_file(self.scene, **everything))
-        depth = np.rint(np.nan_to_num(self.xyz[..., 2]) * 1000).astype(np.uint16)
-        images = depth, self.rgb, (131.25, 131.25, 79.5, 59.5)
-        self.assert_same(self.local.segment_rgbd(*images, **everything),
-                         self.client.segment_rgbd(*images, **everything))
-
-    def test_only_what_was_asked_for(self):
-        result = self.local.segment(self.xyz, view="camera", outputs="tree")
-        self.assertEqual((result.labels, result.supervoxels, result.segments), (None, None, None))
-        self.assertGreater(result.tree.leaf_count, 10)
-
-    def test_errors_are_those_of_a_server(self):
-        for arguments in ({"options": {"voxel_resolution": 100}}, {"view": "world", "options": {"range_max": 1}}):
-            caught = []
-            for segment in (self.local.segment, self.client.segment):
-                with self.assertRaises(segserve.InvalidArgument) as error:
-                    segment(self.xyz, **{"view": "camera"} | arguments)
-                caught.append((str(error.exception), error.exception.reason, error.exception.field_violations))
-            self.assertEqual(*caught)
-        with self.assertRaises(segserve.InvalidArgument) as error:
-            self.local.segment(self.xyz - np.float32(100), view="camera")
-        self.assertEqual(error.exception.reason, "INVALID_CLOUD")
-        with self.assertRaises(segserve.DeadlineExceeded):
-            self.local.segment(self.xyz, view="camera", timeout=0.0001)
-        with self.assertRaises(ValueError):
-            importlib.import_module("segserve._local").segment_payload(b"", [b"x"], b"", b"", None, 1.0)
-
-    def test_threads_run_at_the_same_time(self):
-        expected = self.local.segment(self.xyz, self.rgb, view="camera").labels
-        found = [None] * 8
-        running = threading.Event()
-
-        def run(i):
-            running.wait()
-            found[i] = self.local.segment(self.xyz, self.rgb, view="camera").labels
-
-        threads = [threading.Thread(target=run, args=(i,)) for i in range(len(found))]
-        for thread in threads:
-            thread.start()
-        running.set()
-        for thread in threads:
-            thread.join()
-        for labels in found:
-            np.testing.assert_array_equal(labels, expected)
-
-
 class Example(PythonClient):
     def test_the_example_runs(self):
         done = subprocess.run(["/usr/bin/python3", "-B", SOURCE / "example_stream.py", self.server.address, "10"],
@@ -596,49 +300,6 @@ class Example(PythonClient):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertRegex(done.stdout, r"frame \d+: 2 segments after \d+ ms")
         self.assertEqual(len(done.stdout.splitlines()), 10)
-
-
-class Packages(unittest.TestCase):
-    """What Debian's python3-build makes works where it is installed."""
-
-    def test_wheel_and_source_distribution(self):
-        folder = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory()))
-        repository = SOURCE.parent.parent
-        for part in ("client/python", "proto"):
-            shutil.copytree(repository / part,
-                            folder / part,
-                            ignore=shutil.ignore_patterns("build", "dist", "*.egg-info"))
-        clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-
-        def run(*command):
-            done = subprocess.run(list(map(str, command)),
-                                  cwd=folder,
-                                  capture_output=True,
-                                  text=True,
-                                  timeout=250,
-                                  env=clean)
-            self.assertEqual(done.returncode, 0, f"{command}: {done.stdout} {done.stderr}")
-            return done.stdout
-
-        run("/usr/bin/python3", "-m", "build", "--no-isolation", "--outdir", folder / "dist",
-            folder / "client" / "python")
-        version = segserve.__version__
-        wheel = folder / "dist" / f"segserve-{version}-py3-none-any.whl"
-        self.assertTrue((folder / "dist" / f"segserve-{version}.tar.gz").exists())
-        run("/usr/bin/python3", "-m", "venv", "--system-site-packages", folder / "venv")
-        python = folder / "venv" / "bin" / "python"
-        run(python, "-m", "pip", "install", "--no-index", "--no-deps", "--quiet", wheel)
-        server = Server(folder)
-        self.addCleanup(server.close)
-        printed = run(python, "-c", f"""
-import importlib.metadata, pathlib, numpy, segserve
-assert pathlib.Path(segserve.__file__).is_relative_to({str(folder / "venv")!r}), segserve.__file__
-assert (pathlib.Path(segserve.__file__).parent / "py.typed").exists()
-y, x = numpy.mgrid[-60:60, -80:80] / 100
-result = segserve.Client({server.address!r}).segment(numpy.stack([x, y, numpy.ones_like(x)], axis=-1))
-print(importlib.metadata.version("segserve"), result.segment_count, result.view)
-""")
-        self.assertEqual(printed.split(), [version, "1", "camera"])
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from unittest import mock
 import numpy as np
 
 import segserve
-from segserve import result, result_file, zstd
+from segserve import result, result_file, result_message, zstd
 from segserve.v1 import block_pb2, options_pb2, result_pb2
 
 OUTPUTS = ("labels", "supervoxels", "tree", "segments")
@@ -48,7 +48,7 @@ def good():
 
 class Results(unittest.TestCase):
     def test_have_the_shape_of_the_input(self):
-        found = result.decode(good(), (2, 3), OUTPUTS, "request", "frame")
+        found = result_message.decode(good(), (2, 3), OUTPUTS, "request", "frame")
         self.assertEqual(found.labels.tolist(), [[1, 1, 1], [2, 2, 0]])
         self.assertEqual((found.supervoxels.dtype, found.supervoxels.shape), (np.uint32, (2, 3)))
         self.assertEqual(found.cut(regions=3).tolist(), [[3, 1, 1], [2, 2, 0]])
@@ -61,7 +61,7 @@ class Results(unittest.TestCase):
         self.assertEqual((found.support_plane, found.placement), (None, None))
 
     def test_segments_are_a_structured_array(self):
-        segments = result.decode(good(), None, OUTPUTS).segments
+        segments = result_message.decode(good(), None, OUTPUTS).segments
         self.assertEqual(segments.dtype, result.SEGMENT)
         self.assertEqual((segments["label"].tolist(), segments["points"].tolist()), ([1, 2], [3, 2]))
         self.assertEqual(segments["centroid"][1].tolist(), [2, 0, 0])
@@ -72,7 +72,7 @@ class Results(unittest.TestCase):
         message = good()
         for name in ("supervoxels", "tree", "segments"):
             message.ClearField(name)
-        found = result.decode(message, (6,), ("labels",))
+        found = result_message.decode(message, (6,), ("labels",))
         self.assertEqual((found.supervoxels, found.tree, found.segments), (None, None, None))
         for call in (lambda: found.cut(regions=2), lambda: found.save("/nowhere/at/all"), found.dendrogram):
             with self.assertRaisesRegex(ValueError, "not asked for"):
@@ -104,28 +104,28 @@ class Results(unittest.TestCase):
                 "numbers of points": lambda m: setattr(m.segments[1], "points", 4),
                 "it lacks labels": lambda m: m.ClearField("labels")}.items():
             with self.subTest(what), self.assertRaisesRegex(segserve.Internal, f"the answer is broken: .*{what}"):
-                result.decode(lie(change), (6,), OUTPUTS)
+                result_message.decode(lie(change), (6,), OUTPUTS)
 
     def test_a_result_that_is_too_large_is_not_believed(self):
         message = good()
         message.summary.points = 2**40
         with self.assertRaisesRegex(segserve.Internal, "at most"):
-            result.decode(message, None, OUTPUTS)
+            result_message.decode(message, None, OUTPUTS)
 
     @unittest.skipUnless(zstd.is_there(), "there is no zstandard")
     def test_may_be_compressed(self):
         message = good()
         block = message.labels.data
         block.decoded_bytes, block.compression, block.data = 6, block_pb2.COMPRESSION_ZSTD, zstd.compress(block.data)
-        self.assertEqual(result.decode(message, None, OUTPUTS).labels.tolist(), [1, 1, 1, 2, 2, 0])
+        self.assertEqual(result_message.decode(message, None, OUTPUTS).labels.tolist(), [1, 1, 1, 2, 2, 0])
         block.data = block.data[:-2]
         with self.assertRaisesRegex(segserve.Internal, "labels: "):
-            result.decode(message, None, OUTPUTS)
+            result_message.decode(message, None, OUTPUTS)
 
 
 class Files(unittest.TestCase):
     def setUp(self):
-        self.result = result.decode(good(), (2, 3), OUTPUTS)
+        self.result = result_message.decode(good(), (2, 3), OUTPUTS)
         self.path = pathlib.Path(self.enterContext(tempfile.TemporaryDirectory())) / "file"
 
     def test_keep_everything(self):

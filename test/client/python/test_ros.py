@@ -6,7 +6,7 @@ import unittest
 
 import numpy as np
 
-from segserve import ros, result
+from segserve import result_message, ros
 from segserve.encoding import Encoding, rgbd_payload
 from segserve.view import View
 from test_result import good
@@ -99,7 +99,7 @@ class Messages(unittest.TestCase):
             self.assertEqual(Encoding(view="camera", codec="planar").payload(message).size, 90)
 
     def test_labels_go_into_a_field_of_their_own(self):
-        labels = result.decode(good(), (2, 3), ("labels",))
+        labels = result_message.decode(good(), (2, 3), ("labels",))
         for kind, field_kind in self.kinds():
             for order in "<>":
                 message = cloud_message(kind, field_kind, order)
@@ -118,7 +118,7 @@ class Messages(unittest.TestCase):
         if PointCloud2 is None:
             self.skipTest("there is no python3-sensor-msgs")
         import io
-        labels = result.decode(good(), (2, 3), ("labels",))
+        labels = result_message.decode(good(), (2, 3), ("labels",))
         for message in (ros.label_point_cloud2(cloud_message(PointCloud2, PointField), labels),
                         ros.label_image(images(Image)[0], labels)):
             buffer = io.BytesIO()
@@ -138,7 +138,7 @@ class Messages(unittest.TestCase):
                 camera.K = [500, 0, 1, 0, 510, 2, 0, 0, 1]
             payload = rgbd_payload(depth, color, camera)
             self.assertEqual((payload.header.rgbd.fx, payload.header.rgbd.cy, payload.shape), (500, 2, (2, 3)))
-            labels = ros.label_image(depth, result.decode(good(), (2, 3), ("labels",)))
+            labels = ros.label_image(depth, result_message.decode(good(), (2, 3), ("labels",)))
             self.assertEqual((labels.encoding, ros.image_array(labels).tolist()), ("mono16", [[1, 1, 1], [2, 2, 0]]))
 
     def test_encodings(self):

@@ -6,7 +6,7 @@ import unittest
 import numpy as np
 
 import segserve
-from segserve import result, selection
+from segserve import result_message, selection
 from test_result import good
 
 
@@ -64,7 +64,7 @@ class Selecting(unittest.TestCase):
             np.testing.assert_array_equal(below, segments == segments[leaf])
 
     def test_results_select_by_pixels_and_positions(self):
-        found = result.decode(good(), (2, 3), ("labels", "supervoxels", "tree"))
+        found = result_message.decode(good(), (2, 3), ("labels", "supervoxels", "tree"))
         by_pixel = found.select([(0, 0)], exclude=[(0, 1)])
         np.testing.assert_array_equal(by_pixel.mask, found.labels == 1)
         points = np.arange(18, dtype=np.float32).reshape(2, 3, 3)
@@ -94,7 +94,7 @@ class Selecting(unittest.TestCase):
             chosen.smallest.append(3)
             chosen.thresholds.lower, chosen.thresholds.upper = 0.25, 1
             chosen.include.add(point=0, supervoxel=1)
-            self.assertEqual(result.decode(message, (6,), ()).selection.nodes.tolist(), [3])
+            self.assertEqual(result_message.decode(message, (6,), ()).selection.nodes.tolist(), [3])
             change(chosen)
             with self.assertRaises(segserve.Internal):
-                result.decode(message, (6,), ())
+                result_message.decode(message, (6,), ())

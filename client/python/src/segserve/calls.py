@@ -11,7 +11,7 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from segserve import result
+from segserve import result_message
 from segserve.errors import Error, TlsError, is_retryable
 from segserve.options import outputs_message
 from segserve.payload import Payload
@@ -182,7 +182,7 @@ class SegmentCall:
 
     def result(self, response: segmentation_service_pb2.SegmentResponse) -> Result:
         """The result in an answer. Internal if it is broken."""
-        return result.decode(response.result, self.payload.shape, self.outputs, self.request_id, self.frame_id,
+        return result_message.decode(response.result, self.payload.shape, self.outputs, self.request_id, self.frame_id,
                              self.stamp, wants_tracks=self.tracking is not None)
 
     def stream_options(self, settings: Settings, timeout: float) -> StreamOptions:

@@ -17,7 +17,7 @@ import os
 from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
-from segserve import result as results
+from segserve import result_message
 from segserve.cameras import Camera, merge_cameras
 from segserve.codecs import DEFAULT_ERROR_BOUND
 from segserve.encoding import Encoding, file_payload, rgbd_payload
@@ -73,7 +73,7 @@ def segment(points: Any,
     message = result_pb2.SegmentationResult.FromString(content)
     shape = (message.summary.points,) if payload.shape is None else payload.shape
     rest = [name for name in ((outputs,) if isinstance(outputs, str) else outputs) if name in ("tree", "segments")]
-    return results.decode(message, shape, rest, request_id, frame_id, stamp,
+    return result_message.decode(message, shape, rest, request_id, frame_id, stamp,
                           labels=labels.reshape(shape) if wanted.labels else None,
                           supervoxels=supervoxels.reshape(shape) if wanted.supervoxels else None)
 

@@ -13,7 +13,8 @@ from google.protobuf.message import DecodeError
 from segserve import zstd
 from segserve.cloud import Cloud, as_cloud
 from segserve.payload import announce
-from segserve.result import Result, read
+from segserve.result import Result
+from segserve.result_message import read
 from segserve.v1 import block_pb2, result_pb2, segmentation_service_pb2
 
 _LINE = re.compile(rb"segserve-result (?:2 (\d+) ([0-9a-f]{8})|3 (\d+) ([0-9a-f]{8}) [0-9a-f]{8} [0-9a-f]{8})\n")
