@@ -72,7 +72,7 @@ std::string timings_text(const Summary& summary) {
 }  // namespace
 
 void take_file_facts(const codec::LabeledCloud& file, client::Result& result) {
-  result.view_rule = file.view_rule;
+  if (result.view == file.cloud.view) result.view_rule = file.view_rule;  // else a preset replaced the view
   wire::take_payload_facts(file.placement, file.warnings, result);
 }
 

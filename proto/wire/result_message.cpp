@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "proto/wire/result_message.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "proto/wire/integers_message.hpp"
 #include "proto/wire/options_message.hpp"
 #include "proto/wire/prompts_message.hpp"
+#include "proto/wire/result_warnings.hpp"
 #include "proto/wire/segment_message.hpp"
 #include "proto/wire/status_message.hpp"
 #include "proto/wire/track_message.hpp"
@@ -60,80 +60,6 @@ std::optional<codec::Placement> read_placement(const v1::Placement& message) {
   const bool good = placement.scale.allFinite() && placement.offset.allFinite() && magnitude.minCoeff() > 0 &&
                     magnitude.minCoeff() == magnitude.maxCoeff();
   return good ? std::optional(placement) : std::nullopt;
-}
-
-/// The field that tells lengths. Its name is the same in the API, in HTTP and, with dashes, on the command line.
-constexpr std::string_view kUnit = "the unit of the coordinates (unit, or depth_scale of a depth image)";
-
-std::string too_sparse(const Segmentation& segmentation, const Resolution& used) {
-  constexpr double kLargest = 1;  // meters; larger voxels cannot be asked for
-  const double fitting = *segmentation.fitting_resolution;
-  if (fitting > kLargest) {
-    return fmt::format("the points are too far apart even for the largest voxels, of {:g} m: {} is probably wrong",
-                       kLargest, kUnit);
-  }
-  std::string text = fmt::format(
-      "nearly every voxel holds a single point ({} points, {} voxels): {} or voxel_resolution ({:g} m) is probably "
-      "wrong; ",
-      segmentation.segmented_points, segmentation.voxels, kUnit, used.voxel);
-  return text + fmt::format("at {:g} m a voxel would hold four points or more, with a seed_resolution of {:g} m",
-                            fitting, fitting * used.seed / used.voxel);
-}
-
-/// The median depth of the supervoxels of a CAMERA view, meters; 0 if there are none.
-double median_depth(const Segmentation& segmentation) {
-  std::vector<double> depths;
-  for (const SupervoxelFeatures& feature : segmentation.supervoxel_features) depths.push_back(feature.centroid.z());
-  if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::ranges::nth_element(depths, middle);
-  return *middle;
-}
-
-/// Voxels of a CAMERA view grow with the depth and fit at any scale. Only the depths tell that a unit is wrong.
-void warn_of_depths(const Segmentation& segmentation, std::vector<codec::Warning>& warnings) {
-  constexpr double kNearest = 0.02, kFarthest = 150;  // meters, of what depth cameras see
-  const double depth = median_depth(segmentation);
-  if (depth == 0 || (depth >= kNearest && depth <= kFarthest)) return;
-  warnings.push_back({depth > kFarthest ? codec::WarningReason::kTooSparse : codec::WarningReason::kTooDense,
-                      fmt::format("half of the scene is {} than {:.3g} m from the camera: {} is probably wrong",
-                                  depth > kFarthest ? "farther" : "nearer", depth, kUnit)});
-}
-
-/// Warns of points that were left out, and of a resolution or a unit that does not fit.
-std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, ViewKind view) {
-  using codec::WarningReason;
-  std::vector<codec::Warning> warnings;
-  if (const std::size_t zeros = segmentation.zero_points; zeros > 0) {
-    const bool is_sweep = segmentation.resolution.reason == ResolutionReason::kSweep;
-    const char* const where = is_sweep ? "within 10 cm of the LiDAR" : "at (0, 0, 0), where the camera is,";
-    warnings.push_back(
-        {WarningReason::kPointsNotUsed, fmt::format("{} point{} {} {} no measurement{}", zeros, zeros == 1 ? "" : "s",
-                                                    where, zeros == 1 ? "is" : "are", zeros == 1 ? "" : "s")});
-  }
-  if (const std::size_t far = segmentation.points_beyond_grid; far > 0) {
-    warnings.push_back({WarningReason::kPointsNotUsed, fmt::format("{} point{} far beyond the others {} not used", far,
-                                                                   far == 1 ? "" : "s", far == 1 ? "is" : "are")});
-  }
-  if (!segmentation.unfit_preset.empty()) {
-    warnings.push_back({WarningReason::kPresetNotFit, std::string(segmentation.unfit_preset)});
-  }
-  constexpr std::size_t kFewVoxels = 100, kManyPoints = 1000;
-  const Resolution& used = segmentation.resolution;
-  if (segmentation.segmented_points == 0) {
-    warnings.push_back({WarningReason::kNoPoints,
-                        "no point was segmented: all of them are not finite, no measurements, or outside the crop box "
-                        "or the range"});
-  } else if (segmentation.segmented_points >= kManyPoints && segmentation.voxels < kFewVoxels) {
-    warnings.push_back({WarningReason::kTooDense,
-                        fmt::format("{} points lie in {} voxels: {} or voxel_resolution ({:g} m) is probably wrong",
-                                    segmentation.segmented_points, segmentation.voxels, kUnit, used.voxel)});
-  } else if (segmentation.fitting_resolution) {
-    warnings.push_back({WarningReason::kTooSparse, too_sparse(segmentation, used)});
-  } else if (view == ViewKind::kCamera) {
-    warn_of_depths(segmentation, warnings);
-  }
-  return warnings;
 }
 
 void fill_timings(const CallTimings& call, const StageTimings& stages, v1::Timings& timings) {
@@ -270,11 +196,11 @@ Result make_result(Segmentation segmentation, const CloudView& cloud, const Opti
   result.supervoxels = static_cast<std::uint32_t>(segmentation.tree.leaf_count());
   result.method = options.method;
   result.regions = options.regions;
-  result.view = cloud.view;
-  result.view_rule = std::move(view_rule);
+  result.view = segmented_view(cloud.view, options.preset);
+  result.view_rule = result.view == cloud.view ? std::move(view_rule) : fmt::format("preset {}", name(options.preset));
   result.server_version = std::move(version);
   result.options_hash = options_hash(options);
-  result.warnings = warnings_of(segmentation, cloud.view.kind);
+  result.warnings = warnings_of(segmentation, result.view.kind);
   result.segmentation = std::move(segmentation);
   return result;
 }

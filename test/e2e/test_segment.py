@@ -133,6 +133,8 @@ class Summary(EndToEnd):
             labels, told = self._segment(table, "--preset", "lidar", *where)
             self.assertEqual((told["resolution"]["reason"], told["warnings"]), ("sweep", []))
             self.assertEqual(labels, self._segment(sweep, *where)[0])
+            _, told = self._segment(self.synth(*SMALL), "--view", "world", "--preset", "tabletop", *where)
+            self.assertEqual((told["view"], told["view_rule"]), ("camera", "preset tabletop"))
             _, told = self._segment(self.synth(*SMALL), "--preset", "room", *where)
             self.assertEqual([warning["reason"] for warning in told["warnings"]], ["PRESET_NOT_FIT"])
             line = self.run_badly(BAD_INPUT, "segment", table, "--preset", "kitchen", *where)
