@@ -99,7 +99,7 @@ TEST(OrientAsSeen, TheSidesOfAThingFaceItsOutside) {
 }
 
 TEST(OrientAsSeen, APresetSaysFromWhichSideAClosedSurfaceIsSeen) {
-  const Cloud room = closed_box(2, 1.2F, 0.8F, 0.3F);  // a dollhouse, or a cabin
+  const Cloud room = closed_box(1.6F, 1, 0.6F, 0.3F);  // a dollhouse, or the cabin of a car
   EXPECT_GT(outward_share(room, 0.02), 0.98);
   EXPECT_LT(outward_share(room, 0.02, Preset::kRoom), 0.02);
   const Cloud house = closed_box(12, 9, 6, 0.3F);
