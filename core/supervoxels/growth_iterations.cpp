@@ -57,8 +57,10 @@ void GrowthIterations::run_first() {
 }
 
 bool GrowthIterations::run_next() {
+  std::uint32_t prefetched = 0;
   for (std::uint32_t c = 0; c < state_.cluster_count && !check_.after(1); ++c) {
     if (!state_.clusters[c].can_expand()) continue;
+    if (prefetched <= c) prefetched = prefetch_after(c);
     expand(c, [this](const Expansion& expansion, const std::uint32_t* candidates, std::size_t count,
                      AssignedVoxel* assigned, std::uint32_t* kept) {
       const Feature& center = state_.clusters[expansion.cluster].center;
@@ -66,6 +68,18 @@ bool GrowthIterations::run_next() {
     });
   }
   return update_centers();
+}
+
+/// Asks for the memory of the candidates of the next cluster that can expand, so that it arrives while cluster c does.
+/// Returns that cluster.
+std::uint32_t GrowthIterations::prefetch_after(std::uint32_t c) {
+  do ++c;
+  while (c < state_.cluster_count && !state_.clusters[c].can_expand());
+  if (c == state_.cluster_count) return c;
+  const std::vector<std::uint32_t>& candidates = state_.clusters[c].candidates;
+  const std::size_t count = std::min(candidates.size(), kBlock);
+  for (std::size_t i = 0; i < count; ++i) __builtin_prefetch(&state_.voxels[candidates[i]]);
+  return c;
 }
 
 /// Expands a cluster by one layer of voxels at most. Its center stays where it is.

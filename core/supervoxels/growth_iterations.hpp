@@ -32,6 +32,7 @@ class GrowthIterations {
   bool run_next();
 
  private:
+  std::uint32_t prefetch_after(std::uint32_t c);
   template <typename AssignCandidates>
   void expand(std::uint32_t c, AssignCandidates&& assign_candidates);
   template <typename AssignCandidates>
