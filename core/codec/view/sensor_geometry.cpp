@@ -3,23 +3,17 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <optional>
 #include <vector>
+
+#include "core/codec/view/view_points.hpp"
 
 namespace segserve::codec {
 namespace {
 
 /// With fewer points, geometry says nothing.
 constexpr std::size_t kFewest = 32;
-
-bool is_origin(const CloudView& cloud, std::size_t i) { return cloud.x[i] == 0 && cloud.y[i] == 0 && cloud.z[i] == 0; }
-
-bool is_point(const CloudView& cloud, std::size_t i) {
-  return is_finite(cloud.x[i], cloud.y[i], cloud.z[i]) && !is_origin(cloud, i);
-}
 
 /// x/|z| or y/|z|, the position on the plane of an image.
 float on_image(const CloudView& cloud, std::size_t i, int axis) {
@@ -164,25 +158,11 @@ bool are_equidistant(const std::vector<Cluster>& clusters) {
   return multiples >= kShare * static_cast<double>(gaps.size());
 }
 
-/// A number that depends on the position of a point alone, for samples that do not depend on the order of points. It is
-/// the finalizer of MurmurHash3 (A. Appleby, 2008).
-std::uint32_t hash_of(const CloudView& cloud, std::size_t i) {
-  std::uint32_t h = std::bit_cast<std::uint32_t>(cloud.x[i]) * 0x9e3779b1U;
-  h = (h ^ std::bit_cast<std::uint32_t>(cloud.y[i])) * 0x9e3779b1U;
-  h ^= std::bit_cast<std::uint32_t>(cloud.z[i]);
-  h = (h ^ (h >> 16U)) * 0x85ebca6bU;
-  h = (h ^ (h >> 13U)) * 0xc2b2ae35U;
-  return h ^ (h >> 16U);
-}
-
 /// The values of a sample of the points, as clusters.
 template <typename Value>
 std::vector<Cluster> clusters_of(const CloudView& cloud, StopCheck& check, Value value) {
-  constexpr std::size_t kSample = 16384;
-  const auto every = static_cast<std::uint32_t>(std::max<std::size_t>(1, cloud.size() / kSample));
   std::vector<float> values;
-  check.for_each(0, cloud.size(), [&](std::size_t i) {
-    if (hash_of(cloud, i) % every != 0 || !is_point(cloud, i)) return;
+  for_each_of_sample(cloud, check, [&](std::size_t i) {
     if (const float v = value(i); std::isfinite(v)) values.push_back(v);
   });
   return find_clusters(values, check);
@@ -225,56 +205,6 @@ bool are_circles(const CloudView& cloud, StopCheck& check, const std::vector<Clu
     circles += most[ring] - least[ring] <= kRound * most[ring] ? 1 : 0;
   return static_cast<double>(circles) >= kShare * static_cast<double>(rings.size());
 }
-
-/// The directions from the origin, as the cells of six faces of a cube.
-class DirectionCells {
- public:
-  explicit DirectionCells(int edge) : edge_(edge), cells_(std::size_t{6} * edge * edge) {}
-
-  void add(const CloudView& cloud, std::size_t i) {
-    const auto [cell, range] = place(cloud, i);
-    occupied_ += cells_[cell].points == 0 ? 1U : 0U;
-    ++cells_[cell].points;
-    cells_[cell].nearest = std::min(cells_[cell].nearest, range);
-  }
-  std::size_t occupied() const { return occupied_; }
-  /// Whether a point lies far behind the nearest one in its direction; nullopt where there are too few of them.
-  std::optional<bool> is_hidden(const CloudView& cloud, std::size_t i) const {
-    constexpr std::size_t kFewestPoints = 4;
-    constexpr float kBehind = 1.5F;  // A surface that is seen at a small angle does not reach so far within a cell.
-    const auto [cell, range] = place(cloud, i);
-    if (cells_[cell].points < kFewestPoints) return std::nullopt;
-    return range > kBehind * cells_[cell].nearest;
-  }
-
- private:
-  struct Cell {
-    std::size_t points = 0;
-    float nearest = HUGE_VALF;
-  };
-  struct Place {
-    std::size_t cell;
-    float range;
-  };
-
-  Place place(const CloudView& cloud, std::size_t i) const {
-    const std::array<float, 3> p{cloud.x[i], cloud.y[i], cloud.z[i]};
-    std::size_t main = 0;
-    for (std::size_t axis = 1; axis < 3; ++axis) main = std::abs(p[axis]) > std::abs(p[main]) ? axis : main;
-    const auto step = [&](float across) {
-      const float along = (across / std::abs(p[main]) + 1) * 0.5F * static_cast<float>(edge_);
-      return static_cast<std::size_t>(std::clamp(static_cast<int>(along), 0, edge_ - 1));
-    };
-    const std::size_t face = 2 * main + (p[main] < 0 ? 1 : 0), row = step(p[(main + 1) % 3]),
-                      column = step(p[(main + 2) % 3]);
-    const auto edge = static_cast<std::size_t>(edge_);
-    return {(face * edge + row) * edge + column, std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])};
-  }
-
-  const int edge_;
-  std::vector<Cell> cells_;
-  std::size_t occupied_ = 0;
-};
 
 }  // namespace
 
@@ -335,30 +265,6 @@ bool has_ring_values(const CloudView& cloud, StopCheck& check) {
   constexpr double kShare = 0.95;
   const auto rings = clusters_of(cloud, check, [&](std::size_t i) { return sine_of_elevation(cloud, i); });
   return are_filled(rings, kLeastSize, kShare) && !are_circles(cloud, check, rings);
-}
-
-bool hide_one_another(const CloudView& cloud, StopCheck& check) {
-  constexpr std::size_t kPointsOfCell = 12;  // in the mean, so that the nearest surface has one of them
-  constexpr int kFinest = 256, kCoarsest = 8;
-  constexpr double kShare = 0.1;
-  for (int edge = kFinest; edge >= kCoarsest; edge /= 2) {
-    DirectionCells cells(edge);
-    std::size_t points = 0, known = 0, hidden = 0;
-    check.for_each(0, cloud.size(), [&](std::size_t i) {
-      if (!is_point(cloud, i)) return;
-      cells.add(cloud, i);
-      ++points;
-    });
-    if (points < kPointsOfCell * cells.occupied()) continue;
-    check.for_each(0, cloud.size(), [&](std::size_t i) {
-      if (!is_point(cloud, i)) return;
-      const auto is_hidden = cells.is_hidden(cloud, i);
-      known += is_hidden ? 1U : 0U;
-      hidden += is_hidden.value_or(false) ? 1U : 0U;
-    });
-    return static_cast<double>(hidden) > kShare * static_cast<double>(known);
-  }
-  return false;
 }
 
 bool has_horizontal_plane(const CloudView& cloud, const Extent& extent, StopCheck& check) {

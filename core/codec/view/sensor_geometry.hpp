@@ -46,9 +46,6 @@ bool has_pixel_values(const CloudView& cloud, const Extent& extent, StopCheck& c
 /// judge by a sample of the points that does not depend on their order.
 bool has_ring_values(const CloudView& cloud, StopCheck& check);
 
-/// Whether so many points lie far behind others, as seen from the origin, that no sensor there has seen them all.
-bool hide_one_another(const CloudView& cloud, StopCheck& check);
-
 /// Whether a fifth of the points lie within a fiftieth of their range of z, as those of a floor or table do.
 bool has_horizontal_plane(const CloudView& cloud, const Extent& extent, StopCheck& check);
 

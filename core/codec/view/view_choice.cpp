@@ -7,6 +7,7 @@
 #include <array>
 
 #include "core/codec/common/text_parsing.hpp"
+#include "core/codec/view/hidden_points.hpp"
 #include "core/codec/view/sensor_geometry.hpp"
 
 namespace segserve::codec {
@@ -95,7 +96,7 @@ ViewChoice by_entry(const CloudView& cloud, const ViewEvidence& evidence, const 
   if (is_below(cloud, extent, check)) {
     return no_sensor(fmt::format("its {} is the default, below the points", evidence.entry));
   }
-  if (hide_one_another(cloud, check)) {
+  if (hide_one_another(cloud, check) || lie_in_layers(cloud, check)) {
     return no_sensor(fmt::format("its {} is the default, from where the points hide one another", evidence.entry));
   }
   return world(Eigen::Vector3d::Zero(), fmt::format("its {}, from where it can have seen the points", evidence.entry));

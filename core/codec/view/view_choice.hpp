@@ -54,7 +54,8 @@ struct ViewChoice {
 ///     take few values.
 ///  5. A position that the file gives, and that is not (0, 0, 0), is that of the sensor: WORLD.
 ///  6. A sensor at the origin, if the format has an entry for it, is believed unless the cloud is organized, or the
-///     origin lies inside the points' bounding box, below them, or below and beside a floor: WORLD.
+///     origin lies inside the points' bounding box, below them, or below and beside a floor, or many points lie behind
+///     others as seen from there, as those of a closed surface do: WORLD.
 ///  7. Else WORLD without a sensor.
 ///
 /// Points at (0, 0, 0) are ignored. CANCELLED, DEADLINE_EXCEEDED.

@@ -201,6 +201,43 @@ TEST(ViewChoice, WhereThePointsHideOneAnotherIsNoSensor) {
   EXPECT_EQ(choose(seen, viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0));
 }
 
+/// The surface of a cube of edge 1 around the origin, or the sides of it that are seen from far along -(1, 1, 1).
+Cloud cube(bool is_closed, int points) {
+  Cloud cloud;
+  std::mt19937 random(7);
+  const auto share = [&random] { return static_cast<float>(random() % 100'000) / 100'000 - 0.5F; };
+  for (int i = 0; i < points; ++i) {
+    std::array<float, 3> p{share(), share(), share()};
+    p[random() % 3] = is_closed && random() % 2 == 0 ? 0.5F : -0.5F;
+    add(cloud, p[0], p[1], p[2]);
+  }
+  cloud.width = static_cast<std::uint32_t>(cloud.x.size());
+  cloud.height = 1;
+  return cloud;
+}
+
+Cloud moved(Cloud cloud, float scale, float x, float y, float z) {
+  for (float& v : cloud.x) v = scale * v + x;
+  for (float& v : cloud.y) v = scale * v + y;
+  for (float& v : cloud.z) v = scale * v + z;
+  return cloud;
+}
+
+TEST(ViewChoice, AClosedSurfaceWasNotSeenFromOnePlace) {
+  for (const int points : {600, 6'000, 60'000}) {
+    for (const float scale : {0.1F, 1.0F}) {
+      for (const auto& [x, y, z] : std::vector<std::array<float, 3>>{{0, 0, 3}, {2, 2, 2}, {0.2F, 3, -1}, {5, 0, -5}}) {
+        const Cloud closed = moved(cube(true, points), scale, x, y, z);
+        const ViewChoice choice = choose(closed, viewpoint(0, 0, 0));
+        EXPECT_FALSE(choice.sensor) << points << " points, size " << scale << ", at " << x << " " << y << " " << z;
+        EXPECT_EQ(choose(closed, viewpoint(0, 0, 1)).sensor, Eigen::Vector3d(0, 0, 1)) << "a position is believed";
+      }
+      const Cloud open = moved(cube(false, points), scale, 2, 2, 2);
+      EXPECT_TRUE(choose(open, viewpoint(0, 0, 0)).sensor) << points << " points, size " << scale;
+    }
+  }
+}
+
 TEST(ViewChoice, ARasterOfHeightsIsNoCamera) {
   EXPECT_EQ(choose(raster()).kind, ViewKind::kWorld);
   EXPECT_EQ(choose(shuffled(raster())).kind, ViewKind::kWorld);
