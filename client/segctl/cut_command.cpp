@@ -101,8 +101,8 @@ absl::Status recut(client::Result& result, const Options& options) {
 /// Adds what needs the points: the labeled cloud, its pictures, the statistics of the segments.
 absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, StagedOutput& output) {
   client::Result& result = saved.result;
-  ASSIGN_OR_RETURN(const auto scene,
-                   load_segmented_cloud(arguments.cloud_path, saved, input_name(arguments.result_path)));
+  ASSIGN_OR_RETURN(const auto scene, load_segmented_cloud(arguments.cloud_path, saved,
+                                                          input_name(arguments.result_path), result.warnings));
   RETURN_IF_ERROR(arguments.scene_output.add(output, scene, result.segmentation.labels, result.warnings));
   RETURN_IF_ERROR(arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output));
   RETURN_IF_ERROR(arguments.dendrogram.add(output, result, &scene, arguments.scene_output));

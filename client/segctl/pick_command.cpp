@@ -91,17 +91,18 @@ absl::Status run(const PickArguments& arguments) {
   RETURN_IF_ERROR(arguments.json.announce(output));
   ASSIGN_OR_RETURN(const Prompts prompts, arguments.prompts.prompts());
   ASSIGN_OR_RETURN(SavedResult saved, load_saved_result(arguments.result_path));
+  std::vector<codec::Warning> warnings;
   ASSIGN_OR_RETURN(const auto scene,
-                   load_segmented_cloud(arguments.cloud_path, saved, input_name(arguments.result_path)));
+                   load_segmented_cloud(arguments.cloud_path, saved, input_name(arguments.result_path), warnings));
   RETURN_IF_ERROR(take_cut(arguments, saved.result));
   ASSIGN_OR_RETURN(auto picked, select_by_prompts(scene.cloud, saved.result.segmentation, saved.result.regions,
                                                   codec::to_cloud(scene.placement, prompts)));
   RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), picked));
   codec::to_file(scene.placement, picked);
-  RETURN_IF_ERROR(arguments.scene_output.add(output, scene, picked.labels));
-  arguments.json.add(output, to_json(picked, prompts, saved.result.segmentation.tree));
-  if (!arguments.quiet && !output.uses_stdout()) output.add("-", selection_text(picked));
-  return output.commit();
+  RETURN_IF_ERROR(arguments.scene_output.add(output, scene, picked.labels, warnings));
+  return report(
+      Told{to_json(picked, prompts, saved.result.segmentation.tree), selection_text(picked), std::move(warnings)},
+      arguments.json, arguments.quiet, output);
 }
 
 }  // namespace

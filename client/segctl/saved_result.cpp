@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "client/segctl/input_file.hpp"
-#include "client/segctl/messages.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
@@ -15,18 +14,18 @@
 namespace segserve::segctl {
 namespace {
 
-/// INVALID_ARGUMENT if it is plain that the result is of another cloud.
+/// INVALID_ARGUMENT if it is plain that the result is of another cloud; a warning if this is not known.
 absl::Status check_cloud(const std::string& cloud_name, const std::string& result_name, const SavedResult& saved,
-                         const CloudView& cloud) {
+                         const CloudView& cloud, std::vector<codec::Warning>& warnings) {
   if (cloud.size() != saved.result.points) {
     return absl::InvalidArgumentError(fmt::format("{} has {} points, but the saved result has {}: it is another cloud",
                                                   cloud_name, cloud.size(), saved.result.points));
   }
   if (!saved.cloud) {
-    print_warning(
-        fmt::format("{} was saved by an older segctl and does not tell which cloud it belongs to: it is not "
-                    "checked that this is {}",
-                    result_name, cloud_name));
+    warnings.push_back({codec::WarningReason::kOther,
+                        fmt::format("{} was saved by an older segctl and does not tell which cloud it belongs to: it "
+                                    "is not checked that this is {}",
+                                    result_name, cloud_name)});
     return absl::OkStatus();
   }
   const client::CloudFingerprint print = client::fingerprint(cloud);
@@ -36,7 +35,8 @@ absl::Status check_cloud(const std::string& cloud_name, const std::string& resul
                     result_name));
   }
   if (print.colors != saved.cloud->colors) {
-    print_warning(fmt::format("{} has other colors than the cloud that was segmented", cloud_name));
+    warnings.push_back({codec::WarningReason::kOther,
+                        fmt::format("{} has other colors than the cloud that was segmented", cloud_name)});
   }
   return absl::OkStatus();
 }
@@ -67,9 +67,10 @@ absl::StatusOr<SavedResult> load_saved_result(const std::string& path) {
 }
 
 absl::StatusOr<codec::LabeledCloud> load_segmented_cloud(const std::string& path, const SavedResult& saved,
-                                                         const std::string& result_name) {
+                                                         const std::string& result_name,
+                                                         std::vector<codec::Warning>& warnings) {
   ASSIGN_OR_RETURN(auto scene, codec::load_cloud(path, read_options_of(saved.result)));
-  RETURN_IF_ERROR(check_cloud(input_name(path), result_name, saved, scene.cloud));
+  RETURN_IF_ERROR(check_cloud(input_name(path), result_name, saved, scene.cloud, warnings));
   return scene;
 }
 

@@ -4,11 +4,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "segserve/client/cloud_fingerprint.hpp"
 #include "segserve/client/frame.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
+#include "segserve/codec/warning.hpp"
 
 namespace segserve::segctl {
 
@@ -28,9 +30,10 @@ absl::StatusOr<SavedResult> decode_saved_result(std::string_view bytes, const st
 absl::StatusOr<SavedResult> load_saved_result(const std::string& path);
 
 /// Reads the cloud that was segmented, as it was read then, with everything that is in its file. INVALID_ARGUMENT if it
-/// is plain that the result is of another cloud; prints a warning if this is not known. `result_name` is the name of
-/// the result in messages.
+/// is plain that the result is of another cloud; adds a warning if this is not known. `result_name` is the name of the
+/// result in messages.
 absl::StatusOr<codec::LabeledCloud> load_segmented_cloud(const std::string& path, const SavedResult& saved,
-                                                         const std::string& result_name);
+                                                         const std::string& result_name,
+                                                         std::vector<codec::Warning>& warnings);
 
 }  // namespace segserve::segctl

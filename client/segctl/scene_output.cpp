@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "client/segctl/messages.hpp"
 #include "client/segctl/output_kind.hpp"
 #include "client/segctl/point_subset.hpp"
 #include "core/base/status_macros.hpp"
@@ -188,14 +187,6 @@ absl::StatusOr<codec::EncodedFile> SceneOutput::encode(const codec::LabeledCloud
 
 std::string SceneOutput::encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const {
   return encode(scene, labels, codec::FileFormat::kPcd)->bytes;  // PCD holds every cloud.
-}
-
-absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
-                              std::span<const std::uint32_t> labels) const {
-  std::vector<codec::Warning> warnings;
-  RETURN_IF_ERROR(add(output, scene, labels, warnings));
-  for (const codec::Warning& warning : warnings) print_warning(warning.message);
-  return absl::OkStatus();
 }
 
 absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,

@@ -47,8 +47,6 @@ class SceneOutput {
   /// had. What the format of the cloud cannot hold is added to `warnings`.
   absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
                    std::vector<codec::Warning>& warnings) const;
-  /// Adds the outputs as the function above does, and prints the warnings on standard error.
-  absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// How the flags ask pictures of this scene to be drawn. INVALID_ARGUMENT for a position that is none.
   absl::StatusOr<picture::RenderOptions> render_options(const codec::LabeledCloud& scene) const;

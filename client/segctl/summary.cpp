@@ -129,19 +129,23 @@ std::string to_text(const Summary& summary) {
                       resolution_text(segmentation.resolution), result.supervoxels, segmentation.segments,
                       segmentation.segments == 1 ? "" : "s", sizes_text(segmentation));
   if (result.selection) text += selection_text(*result.selection);
-  text += timings_text(summary) + "\n";
-  for (const codec::Warning& warning : result.warnings) text += fmt::format("warning: {}\n", warning.message);
-  return text;
+  return text + timings_text(summary) + "\n";
+}
+
+absl::Status report(Told told, const JsonFlag& json, bool quiet, StagedOutput& output) {
+  told.json["warnings"] = warnings_json(told.warnings);
+  json.add(output, told.json);
+  if (!quiet && !output.uses_stdout()) {
+    for (const codec::Warning& warning : told.warnings) told.text += fmt::format("warning: {}\n", warning.message);
+    output.add("-", std::move(told.text));
+  } else if (!json.given()) {
+    for (const codec::Warning& warning : told.warnings) print_warning(warning.message);
+  }
+  return output.commit();
 }
 
 absl::Status report(const Summary& summary, const JsonFlag& json, bool quiet, StagedOutput& output) {
-  json.add(output, to_json(summary));
-  if (!quiet && !output.uses_stdout()) {
-    output.add("-", to_text(summary));
-  } else if (!json.given()) {
-    for (const codec::Warning& warning : summary.result.warnings) print_warning(warning.message);
-  }
-  return output.commit();
+  return report(Told{to_json(summary), to_text(summary), summary.result.warnings}, json, quiet, output);
 }
 
 }  // namespace segserve::segctl

@@ -7,7 +7,7 @@
 
 #include "client/segctl/json_flag.hpp"
 #include "client/segctl/staged_output.hpp"
-#include "nlohmann/json_fwd.hpp"
+#include "nlohmann/json.hpp"
 #include "proto/text/result_json.hpp"
 #include "segserve/client/client.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
@@ -38,12 +38,20 @@ nlohmann::ordered_json to_json(const Summary& summary);
 /// Describes the segment that prompts have picked, in two lines for people.
 std::string selection_text(const PromptedSelection& picked);
 
-/// A few lines for people.
+/// A few lines for people, without the warnings.
 std::string to_text(const Summary& summary);
 
-/// Writes the JSON if --json asks for it, and the text to standard output unless a file goes there or `quiet` is set.
-/// Warnings that would show nowhere then go to standard error.
-/// Call it after all files were added.
+/// What a command tells at its end.
+struct Told {
+  nlohmann::ordered_json json;  ///< without the warnings
+  std::string text;             ///< a few lines for people, without the warnings
+  std::vector<codec::Warning> warnings = {};
+};
+
+/// Writes the JSON if --json asks for it, and the text to standard output unless a file goes there or `quiet` is set,
+/// both with the warnings. Warnings that would show nowhere then go to standard error. Call it after all files were
+/// added.
+absl::Status report(Told told, const JsonFlag& json, bool quiet, StagedOutput& output);
 absl::Status report(const Summary& summary, const JsonFlag& json, bool quiet, StagedOutput& output);
 
 }  // namespace segserve::segctl

@@ -18,6 +18,7 @@
 #include "client/segctl/scene_output.hpp"
 #include "client/segctl/sequence.hpp"
 #include "client/segctl/staged_output.hpp"
+#include "client/segctl/summary.hpp"
 #include "command_line/not_negative.hpp"
 #include "core/base/status_macros.hpp"
 #include "core/lab/synth/moving_tabletop.hpp"
@@ -274,9 +275,7 @@ absl::Status write_file(const std::string& folder, const std::string& name, std:
 absl::Status tell(const SynthArguments& arguments, const Json& json, const std::string& text) {
   StagedOutput output;
   RETURN_IF_ERROR(arguments.json.announce(output));
-  arguments.json.add(output, json);
-  if (!arguments.quiet && !output.uses_stdout()) output.add("-", text);
-  return output.commit();
+  return report(Told{json, text}, arguments.json, arguments.quiet, output);
 }
 
 absl::Status write_rig(const SynthArguments& arguments) {
@@ -404,13 +403,13 @@ absl::Status run(const SynthArguments& arguments) {
   ASSIGN_OR_RETURN(const auto scene, make_scene(arguments));
   codec::LabeledCloud content;
   content.cloud = scene.cloud;
-  RETURN_IF_ERROR(arguments.scene_output.add(output, content, scene.label));
+  std::vector<codec::Warning> warnings;
+  RETURN_IF_ERROR(arguments.scene_output.add(output, content, scene.label, warnings));
   if (arguments.rgbd_output.wanted()) {
     RETURN_IF_ERROR(arguments.rgbd_output.add(output, scene.cloud, *scene.camera));
   }
-  arguments.json.add(output, to_json(arguments, scene));
-  if (!arguments.quiet && !output.uses_stdout()) output.add("-", to_text(arguments, scene));
-  return output.commit();
+  return report(Told{to_json(arguments, scene), to_text(arguments, scene), std::move(warnings)}, arguments.json,
+                arguments.quiet, output);
 }
 
 }  // namespace

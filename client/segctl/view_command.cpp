@@ -12,6 +12,7 @@
 #include "client/calls/local.hpp"
 #include "client/segctl/command.hpp"
 #include "client/segctl/input_file.hpp"
+#include "client/segctl/messages.hpp"
 #include "client/segctl/option_flags.hpp"
 #include "client/segctl/output_kind.hpp"
 #include "client/segctl/page_bundle.hpp"
@@ -139,7 +140,9 @@ absl::StatusOr<std::size_t> add_cloud_of(const ViewArguments& arguments, std::si
         fmt::format("{} is a saved result: it needs --cloud, the cloud that was segmented", input_name(input)));
   }
   const std::string& path = arguments.clouds[std::min(index, arguments.clouds.size() - 1)];
-  ASSIGN_OR_RETURN(auto cloud, load_segmented_cloud(path, saved, input_name(input)));
+  std::vector<codec::Warning> warnings;
+  ASSIGN_OR_RETURN(auto cloud, load_segmented_cloud(path, saved, input_name(input), warnings));
+  for (const codec::Warning& warning : warnings) print_warning(warning.message);
   if (index == 1 && arguments.clouds.size() == 1 && !shown.clouds.empty()) {
     const Cloud& first = shown.clouds.front().cloud;
     if (client::fingerprint(first) == client::fingerprint(cloud.cloud) && first.view == cloud.cloud.view) return 0;

@@ -88,6 +88,12 @@ class Pick(unittest.TestCase):
         self.assertEqual(largest["picked"], largest["candidates"][-1])
         self.assertEqual(self.pick("--include", self.place(2), "--regions", "1")["picked"], largest["picked"])
 
+    def test_json_tells_what_a_format_cannot_hold(self):
+        output = self.folder / "object.las"
+        warnings = self.pick("--include", self.place(2), "-o", output)["warnings"]
+        self.assertTrue(warnings and all(str(output) in warning["message"] for warning in warnings), warnings)
+        self.assertEqual(self.pick("--include", self.place(2))["warnings"], [])
+
     def test_the_page_picks_the_same(self):
         page, queries = self.folder / "page.html", self.folder / "queries.json"
         done = segctl("view", self.result, "--cloud", self.scene, "-o", page)

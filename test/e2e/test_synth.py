@@ -24,6 +24,15 @@ class Synth(EndToEnd):
         room = json.loads(self.run_well("synth", "--fused", "--points", "2000", "-o", scene, "--json", "-").stdout)
         self.assertEqual((room["points"], room["height"], room["intrinsics"]), (2000, 1, None))
 
+    def test_json_tells_what_a_format_cannot_hold(self):
+        scene = self.path("scene.las")
+        told = json.loads(self.run_well("synth", "-o", scene, *SMALL, "--json", "-").stdout)
+        self.assertTrue(told["warnings"] and all(str(scene) in w["message"] for w in told["warnings"]), told["warnings"])
+        self.assertIn(f"warning: {scene}: ", self.run_well("synth", "-o", scene, *SMALL).stdout.decode())
+        self.assertIn(str(scene), self.run_well("synth", "-o", scene, *SMALL, "-q").stderr.decode())
+        told = self.run_well("synth", "--moving", self.path("moving"), "--frames", "1", *SMALL, "--json", "-").stdout
+        self.assertEqual(json.loads(told)["warnings"], [])
+
     def test_images_are_the_scene(self):
         scene, depth, summary = self.path("scene.pcd"), self.path("depth.png"), self.path("summary.json")
         for color in (self.path("color.jpg"), self.path("color.png")):
