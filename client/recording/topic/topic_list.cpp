@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 
 #include "core/base/status_macros.hpp"
@@ -32,6 +33,39 @@ std::string list_text(std::vector<TopicInfo> topics) {
 
 constexpr const char* kReadable =
     "PointCloud2, and depth in Image and CompressedImage, of ROS and of Foxglove can be read";
+
+/// What makes a topic of clouds that can be read of one that cannot; empty if that is not known.
+std::string_view advice_on(const TopicInfo& topic) {
+  struct Advice {
+    std::string_view part, text;  ///< part of the type's name
+  };
+  constexpr std::string_view kPackets = "the LiDAR's driver makes PointCloud2 of its packets; record that topic";
+  constexpr std::array<Advice, 7> kAdvice{
+      {{"CompressedPointCloud", "compressed clouds are not read; record the topic with PointCloud2"},
+       {"livox_ros_driver", "the Livox driver publishes PointCloud2 with xfer_format 0; record that topic"},
+       {"VelodyneScan", kPackets},
+       {"VelodynePacket", kPackets},
+       {"PacketMsg", kPackets},
+       {"Packets", kPackets},
+       {"LaserScan", "a scan within a plane is no cloud"}}};
+  if (topic.type.ends_with("/PointCloud")) return "PointCloud is older than PointCloud2; record that one";
+  if (topic.encoding == "json" && topic.type.find("PointCloud") != std::string::npos) {
+    return "messages in JSON are not read; record them as protobuf, CDR or ROS 1";
+  }
+  const auto* const found = std::ranges::find_if(
+      kAdvice, [&topic](const Advice& advice) { return topic.type.find(advice.part) != std::string::npos; });
+  return found == kAdvice.end() ? std::string_view() : found->text;
+}
+
+/// The advice on the first topic that has one, in front of which a separator stands.
+std::string advice_text(const std::vector<TopicInfo>& topics) {
+  for (const TopicInfo& topic : topics) {
+    if (const std::string_view advice = advice_on(topic); !topic.has_frames && !advice.empty()) {
+      return fmt::format("; {}: {}", topic.name, advice);
+    }
+  }
+  return "";
+}
 
 /// The namespace of a topic of images: that of "/camera/depth/image_raw/compressed" is "/camera/depth".
 std::string namespace_of(std::string topic) {
@@ -85,7 +119,8 @@ absl::Status check_topic(const Contents& contents, const std::string& name, bool
   if (type && is_right(type->kind)) return absl::OkStatus();
   return absl::InvalidArgumentError(fmt::format("topic {} has messages {} ({}): it is no {}; {}", name,
                                                 found->type.empty() ? "without a schema" : found->type, found->encoding,
-                                                what, list_text(topics)));
+                                                what, list_text(topics)) +
+                                    advice_text({*found}));
 }
 
 absl::StatusOr<TopicInfo> choose_topic(const Contents& contents, const std::string& name) {
@@ -106,7 +141,8 @@ absl::StatusOr<TopicInfo> choose_topic(const Contents& contents, const std::stri
   if (choice.size() == 1) return choice.front();
   const std::string fault = choice.empty() ? fmt::format("the recording has no topic that can be read ({})", kReadable)
                                            : "several topics can be read, name one (--topic)";
-  return absl::InvalidArgumentError(fmt::format("{}; {}", fault, list_text(topics)));
+  return absl::InvalidArgumentError(
+      fmt::format("{}; {}{}", fault, list_text(topics), choice.empty() ? advice_text(topics) : ""));
 }
 
 absl::StatusOr<std::string> camera_info_topic(const Contents& contents, const std::string& images) {

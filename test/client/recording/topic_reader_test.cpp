@@ -80,6 +80,30 @@ TEST(TopicReader, AWrongTopicListsTheTopics) {
   EXPECT_THAT(message(""), HasSubstr(file.path())) << "the file is named";
 }
 
+TEST(TopicReader, CloudsThatCannotBeReadComeWithAdvice) {
+  struct Case {
+    const char *type, *encoding, *advice;
+  };
+  for (const Case& c : std::vector<Case>{
+           {"foxglove.PointCloud", "json", "/points: messages in JSON are not read"},
+           {"foxglove.CompressedPointCloud", "protobuf", "/points: compressed clouds are not read"},
+           {"point_cloud_interfaces/msg/CompressedPointCloud2", "cdr", "/points: compressed clouds are not read"},
+           {"livox_ros_driver2/msg/CustomMsg", "cdr", "xfer_format 0"},
+           {"velodyne_msgs/msg/VelodyneScan", "cdr", "the LiDAR's driver makes PointCloud2"},
+           {"sensor_msgs/msg/PointCloud", "cdr", "PointCloud is older than PointCloud2"},
+           {"sensor_msgs/msg/LaserScan", "cdr", "a scan within a plane is no cloud"}}) {
+    const TemporaryFile file(recording::mcap_with([&](McapWriter& writer) {
+      EXPECT_TRUE(writer.define(1, recording::Schema{c.type, "ros2msg", "# abridged"}).ok());
+      EXPECT_TRUE(writer.define(1, Channel{1, "/points", c.encoding, {}}).ok());
+      EXPECT_TRUE(writer.write(Message{1, 0, 2000, 0, "data"}).ok());
+    }));
+    for (const char* topic : {"", "/points"}) {
+      const auto opened = TopicReader::open(file.path(), {.topic = topic});
+      EXPECT_THAT(std::string(opened.status().message()), HasSubstr(c.advice)) << topic;
+    }
+  }
+}
+
 TEST(TopicReader, ListsTopicsWithAndWithoutAnIndex) {
   std::string bytes = recording_of_clouds();
   for (const bool cut : {false, true}) {
