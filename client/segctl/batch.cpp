@@ -68,7 +68,7 @@ std::string batch_key(const SegmentRequest& request, const SceneOutput& format) 
     key += fmt::format(" {} {} {}", wire::info(request.codec->codec).name, request.codec->error_bound,
                        request.codec->jpeg_quality);
   }
-  if (request.unit != codec::LengthUnit::kMeter) key += fmt::format(" {}", name(request.unit));
+  if (request.unit) key += fmt::format(" {}", name(*request.unit));
   if (request.segments) key += " segments";
   return key + format.format_key();
 }

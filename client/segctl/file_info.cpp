@@ -79,9 +79,11 @@ Json attributes_json(const codec::LabeledCloud& scene) {
 }
 
 /// The unit that the coordinates are taken in, and the one that their spacing makes plain.
-Json unit_json(const codec::LabeledCloud& scene, codec::LengthUnit asked) {
-  Json json{{"taken", scene.placement.meters_per_unit() == 1 ? "m" : name(asked)}, {"guess", Json()}, {"why", Json()}};
-  if (asked == codec::LengthUnit::kAuto && scene.placement.meters_per_unit() != 1) json["taken"] = "mm";
+Json unit_json(const codec::LabeledCloud& scene) {
+  Json json{{"taken", Json()}, {"guess", Json()}, {"why", Json()}};
+  for (const codec::LengthUnit unit : codec::length_units()) {
+    if (codec::meters_per_unit(unit) == scene.placement.meters_per_unit()) json["taken"] = name(unit);
+  }
   Cloud in_file_unit = scene.cloud;
   for (std::vector<float>* axis : {&in_file_unit.x, &in_file_unit.y, &in_file_unit.z}) {
     for (float& v : *axis) v = static_cast<float>(v / scene.placement.meters_per_unit());
@@ -132,7 +134,7 @@ absl::StatusOr<Json> file_info(const std::string& path, codec::ReadOptions optio
   json["box"] =
       box.finite == 0 ? Json() : Json{{"low", text::vector_json(box.low)}, {"high", text::vector_json(box.high)}};
   json["spacing"] = spacing ? Json(*spacing / scene->placement.meters_per_unit()) : Json();
-  json["unit"] = unit_json(*scene, options.unit);
+  json["unit"] = unit_json(*scene);
   json["view"] = text::view_text(to_file(scene->placement, scene->cloud.view));
   json["view_rule"] = scene->view_rule;
   json["placement"] = {{"scale", text::vector_json(scene->placement.scale)},

@@ -32,8 +32,8 @@ namespace segserve::segctl {
 /// The part of the command line that applies to every cloud.
 struct SegmentRequest {
   Options options;
-  std::optional<View> view;  ///< Unset: as the file says.
-  codec::LengthUnit unit = codec::LengthUnit::kMeter;
+  std::optional<View> view;                 ///< Unset: as the file says.
+  std::optional<codec::LengthUnit> unit;    ///< Unset: as the file says, or else meters.
   std::optional<wire::CodecOptions> codec;  ///< Unset: the client library chooses.
   bool segments = false;                    ///< Whether the statistics of the segments are wanted.
   std::optional<Prompts> prompts;           ///< In the coordinates and unit of the file.

@@ -80,7 +80,7 @@ absl::Status RecordingRun::open() {
   options.color_topic = arguments_.recording.color_topic;
   options.camera_info_topic = arguments_.recording.camera_info_topic;
   options.view = request.view;
-  options.unit = request.unit;
+  options.unit = request.unit.value_or(codec::LengthUnit::kMeter);
   options.keep_everything = !arguments_.out_dir.empty();
   ASSIGN_OR_RETURN(reader_, recording::FrameReader::open(input_, options, {}));
   report_.emplace(input_, reader_->topic(), arguments_.local ? "" : arguments_.server.address(),

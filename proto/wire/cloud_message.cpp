@@ -221,13 +221,15 @@ namespace {
 absl::StatusOr<DecodedCloud> decode_payload(const v1::Cloud& message, const std::optional<View>& view,
                                             const codec::DecodeLimits& limits, const StopToken& stop) {
   const codec::LengthUnit unit = *from_message(message.unit());
+  codec::ReadOptions read{.view = view, .unit = unit};
+  if (message.unit() == v1::LENGTH_UNIT_UNSPECIFIED) read.unit.reset();  // The names of the fields may tell it.
   switch (message.payload_case()) {
     case v1::Cloud::kPlanar:
       return convert(decode_planar(message, view, limits, stop), unit, stop);
     case v1::Cloud::kPcdFile:
-      return decode_pcd_file(message, {.view = view, .unit = unit}, limits, stop);
+      return decode_pcd_file(message, read, limits, stop);
     case v1::Cloud::kStrided:
-      return decode_strided(message, {.view = view, .unit = unit}, limits, stop);
+      return decode_strided(message, read, limits, stop);
     case v1::Cloud::kQuantised:
       return convert(decode_quantised(message, view, limits, stop), unit, stop);
     case v1::Cloud::kRgbd:

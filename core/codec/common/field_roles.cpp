@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/status_macros.hpp"
+#include "core/codec/common/position_names.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
@@ -30,6 +31,21 @@ constexpr std::array<ColorNames, 7> kColorNames{{
     {{"f_dc_0", "f_dc_1", "f_dc_2"}, ChannelKind::kSphericalHarmonic},
 }};
 
+/// A field with all channels of a color.
+struct VectorName {
+  std::string_view name;
+  bool is_reversed;
+};
+
+constexpr std::array<VectorName, 8> kVectorNames{{{"rgb", false},
+                                                  {"rgba", false},
+                                                  {"bgr", true},
+                                                  {"bgra", true},
+                                                  {"color", false},
+                                                  {"colors", false},
+                                                  {"colour", false},
+                                                  {"colours", false}}};
+
 /// The names of fields twice: as they are, and in lower case.
 class FieldNames {
  public:
@@ -49,6 +65,7 @@ class FieldNames {
     ASSIGN_OR_RETURN(const auto exact, find_triple(exact_, names));
     return exact ? exact : find_triple(lower_, names);
   }
+  const Names& exact() const { return exact_; }
   std::string_view lower(std::size_t i) const { return lower_[i]; }
 
  private:
@@ -63,17 +80,55 @@ bool looks_like_color(std::string_view lower_name) {
   return std::ranges::find(kChannels, lower_name) != kChannels.end() || std::ranges::any_of(kParts, is_part);
 }
 
-absl::Status find_color(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
-  std::optional<std::size_t> vector;
+absl::Status find_position(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
+  ASSIGN_OR_RETURN(const auto usual, names.find({"x", "y", "z"}));
+  if (usual) {
+    roles.position = *usual;
+  } else if (const auto others = find_position_names(names.exact())) {
+    roles.position = others->fields;
+    roles.unit = others->unit;
+  } else if (are_degrees(names.exact())) {
+    return absl::InvalidArgumentError(
+        "latitudes and longitudes are no coordinates in meters; project them first, for example to UTM");
+  } else {
+    return absl::InvalidArgumentError("x, y and z must be there");
+  }
+  for (const std::size_t i : roles.position) {
+    if (!fields[i].is_single()) {
+      return absl::InvalidArgumentError(fmt::format("{} must be one number for each point", quoted(fields[i].name)));
+    }
+  }
+  return absl::OkStatus();
+}
+
+/// Finds a color that is one field of 3 or 4 numbers.
+absl::Status find_color_vector(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles,
+                               std::vector<Warning>& warnings) {
+  constexpr std::size_t kWithAlpha = 4;
+  for (const auto& [name, is_reversed] : kVectorNames) {
+    ASSIGN_OR_RETURN(const auto found, names.find(name));
+    if (!found || (fields[*found].count != 3 && fields[*found].count != kWithAlpha)) continue;
+    roles.color_vector = found;
+    roles.color_vector_is_reversed = is_reversed;
+    if (fields[*found].count == kWithAlpha && !name.ends_with('a')) {
+      warnings.push_back(
+          {WarningReason::kOther,
+           fmt::format("the 4 numbers of {} are taken as {}, and the last as alpha, which is "
+                       "not used",
+                       quoted(fields[*found].name), is_reversed ? "blue, green, red" : "red, green, blue")});
+    }
+    return absl::OkStatus();
+  }
+  return absl::OkStatus();
+}
+
+absl::Status find_color(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles,
+                        std::vector<Warning>& warnings) {
   for (const std::string_view name : {"rgb", "rgba"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(name));
-    if (!found) continue;
-    const Field& field = fields[*found];
-    if (field.is_single() && size_of(field.type) >= 4) {
-      roles.packed = found;
-      return absl::OkStatus();
-    }
-    if (field.count == 3 && !vector) vector = found;  // Of 4 numbers the order is not known: RGBA, BGRA or ARGB.
+    if (!found || !fields[*found].is_single() || size_of(fields[*found].type) < 4) continue;
+    roles.packed = found;
+    return absl::OkStatus();
   }
   for (const ColorNames& wanted : kColorNames) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted.names));
@@ -83,8 +138,7 @@ absl::Status find_color(const std::vector<Field>& fields, const FieldNames& name
       return absl::OkStatus();
     }
   }
-  roles.color_vector = vector;
-  return absl::OkStatus();
+  return find_color_vector(fields, names, roles, warnings);
 }
 
 void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& names, std::vector<Warning>& warnings) {
@@ -95,17 +149,29 @@ void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& n
   if (unused.empty()) return;
   warnings.push_back({WarningReason::kColorNotUsed,
                       fmt::format("the cloud has no color: {} cannot be used; rgb or rgba can, as one number of 4 or 8 "
-                                  "bytes or as 3 numbers, or r g b, or red green blue",
+                                  "bytes or as 3 or 4 numbers, or r g b, or red green blue",
                                   fmt::join(unused, ", "))});
 }
 
 }  // namespace
 
+std::vector<std::size_t> FieldRoles::color_fields() const {
+  if (packed) return {*packed};
+  if (channels) return {channels->begin(), channels->end()};
+  if (color_vector) return {*color_vector};
+  return {};
+}
+
+void FieldRoles::drop_color() {
+  packed.reset();
+  channels.reset();
+  color_vector.reset();
+}
+
 std::vector<std::size_t> FieldRoles::fields() const {
   std::vector<std::size_t> all(position.begin(), position.end());
-  if (packed) all.push_back(*packed);
-  if (channels) all.insert(all.end(), channels->begin(), channels->end());
-  if (color_vector) all.push_back(*color_vector);
+  const std::vector<std::size_t> color = color_fields();
+  all.insert(all.end(), color.begin(), color.end());
   if (label) all.push_back(*label);
   return all;
 }
@@ -151,15 +217,8 @@ absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_triple(const std:
 absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings) {
   const FieldNames names(fields);
   FieldRoles roles;
-  ASSIGN_OR_RETURN(const auto position, names.find({"x", "y", "z"}));
-  if (!position) return absl::InvalidArgumentError("x, y and z must be there");
-  for (const std::size_t i : *position) {
-    if (!fields[i].is_single()) {
-      return absl::InvalidArgumentError(fmt::format("{} must be one number for each point", quoted(fields[i].name)));
-    }
-  }
-  roles.position = *position;
-  RETURN_IF_ERROR(find_color(fields, names, roles));
+  RETURN_IF_ERROR(find_position(fields, names, roles));
+  RETURN_IF_ERROR(find_color(fields, names, roles, warnings));
   if (!roles.has_color()) warn_of_unused_colors(fields, names, warnings);
   for (const std::string_view wanted : {"label", "scalar_Label"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted));

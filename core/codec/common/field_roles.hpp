@@ -11,6 +11,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/codec/common/scalar_type.hpp"
+#include "segserve/codec/length_unit.hpp"
 #include "segserve/codec/warning.hpp"
 
 // The fields of a file: which of them matter, judged by their names and types.
@@ -35,25 +36,34 @@ enum class ChannelKind : std::uint8_t {
 /// The fields of a file that a cloud is made from, as indices.
 struct FieldRoles {
   std::array<std::size_t, 3> position{};               ///< x, y, z
+  std::optional<LengthUnit> unit;                      ///< of the position, if its names tell it
   std::optional<std::size_t> packed;                   ///< color as 0xAARRGGBB
   std::optional<std::array<std::size_t, 3>> channels;  ///< color as red, green and blue
-  std::optional<std::size_t> color_vector;             ///< color as one field of red, green and blue
+  std::optional<std::size_t> color_vector;             ///< color as one field of red, green, blue and maybe alpha
+  bool color_vector_is_reversed = false;               ///< blue stands first in color_vector
   ChannelKind channel_kind = ChannelKind::kIntensity;
   std::optional<std::size_t> label;
 
   bool has_color() const { return packed || channels || color_vector; }
+  bool is_position(std::size_t field) const {
+    return field == position[0] || field == position[1] || field == position[2];
+  }
+  /// The fields that make the color.
+  std::vector<std::size_t> color_fields() const;
+  void drop_color();
   /// All fields that have a role, each once.
   std::vector<std::size_t> fields() const;
 };
 
 /// Finds what the fields are by the names that programs give them, in any case; a name in the usual case comes first.
-///  - position: x, y, z
-///  - color: rgb or rgba, packed in a number of 4 or 8 bytes, or 3 numbers; or else r g b, red green blue,
-///  diffuse_red .., color_r .., f_dc_0 f_dc_1
-///    f_dc_2
+///  - position: x, y, z, or the names that find_position_names knows
+///  - color: rgb or rgba, packed in a number of 4 or 8 bytes; or else r g b, red green blue, diffuse_red .., color_r
+///  ..,
+///    f_dc_0 f_dc_1 f_dc_2; or else one field of 3 or 4 numbers: rgb, rgba, bgr, bgra, color or colors
 ///  - label: label, scalar_Label
 /// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, or if a name that is used occurs
-/// twice. Warns of fields that look like color, or like a label, and are not used.
+/// twice. Warns of fields that look like color, or like a label, and are not used, and of 4 numbers whose name does not
+/// tell that red comes first and alpha last.
 absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings);
 
 /// The text with small letters for the capitals of ASCII.

@@ -191,7 +191,10 @@ bool read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
   } else if (roles.color_vector) {
     std::array<Column, 3> columns;
     columns.fill(table.column(*roles.color_vector));
-    for (std::size_t k = 0; k < 3; ++k) columns[k].data += k * size_of(columns[k].type);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t place = roles.color_vector_is_reversed ? 2 - k : k;
+      columns[k].data += place * size_of(columns[k].type);
+    }
     read_channels(columns, roles.channel_kind, table.fields[*roles.color_vector].type, check, rgb, out.warnings);
   }
   return false;
@@ -237,24 +240,32 @@ void keep_attributes(const PointTable& table, StopCheck& check, LabeledCloud& ou
 
 }  // namespace
 
-void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fields, std::vector<Warning>& warnings) {
-  for (const std::size_t field : unreadable) {
-    fields[field].count = 0;
+void leave_out(UnreadableFields unreadable, PointTable& table, std::vector<Warning>& warnings) {
+  FieldRoles& roles = table.roles;
+  const auto leave_out_with = [&](std::size_t field, WarningReason reason, std::string message) {
+    warnings.push_back({reason, std::move(message)});
+    table.fields[field].count = 0;
+    unreadable.erase(field);
+  };
+  if (roles.label && unreadable.contains(*roles.label)) {
+    leave_out_with(*roles.label, WarningReason::kLabelNotUsed, "the labels are not used: " + unreadable[*roles.label]);
+    roles.label.reset();
+  }
+  for (const std::size_t field : roles.color_fields()) {
+    if (!unreadable.contains(field)) continue;
+    if (roles.has_color()) {
+      leave_out_with(field, WarningReason::kColorNotUsed, "the cloud has no color: " + unreadable[field]);
+    }
+    roles.drop_color();
+    table.fields[field].count = 0;
+    unreadable.erase(field);
+  }
+  for (const auto& [field, words] : unreadable) {
+    table.fields[field].count = 0;
     warnings.push_back({WarningReason::kAttributeNotKept,
                         fmt::format("the values of {} are not kept, because some of them are no numbers of its type",
-                                    quoted(fields[field].name))});
+                                    quoted(table.fields[field].name))});
   }
-}
-
-void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<Warning>& warnings) {
-  if (table.roles.label && unreadable.erase(*table.roles.label) > 0) {
-    Field& label = table.fields[*table.roles.label];
-    warnings.push_back({WarningReason::kLabelNotUsed,
-                        fmt::format("the labels are not used: some words of {} are no numbers", quoted(label.name))});
-    label.count = 0;
-    table.roles.label.reset();
-  }
-  leave_out(unreadable, table.fields, warnings);
 }
 
 absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,
@@ -274,8 +285,15 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   const auto [x, y, z] = roles.position;
   const auto is_of_floats = [&](std::size_t field) { return table.fields[field].type == ScalarType::kFloat32; };
   const bool are_floats = is_of_floats(x) && is_of_floats(y) && is_of_floats(z);
+  ReadOptions read = options;
+  if (!options.unit && roles.unit && roles.unit != LengthUnit::kMeter) {
+    read.unit = roles.unit;
+    out.warnings.push_back(
+        {WarningReason::kUnitGuessed,
+         fmt::format("the coordinates are taken as {}, as the names of their columns say", name(*roles.unit))});
+  }
   RETURN_IF_ERROR(
-      read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, evidence, options, check, out));
+      read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, evidence, read, check, out));
   if (has_missing_colors) warn_of_missing_colors(table.column(*roles.packed), out.cloud, check, out.warnings);
   return check.status();
 }

@@ -4,7 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <set>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -32,11 +33,12 @@ struct PointTable {
   std::size_t points() const { return std::size_t{width} * height; }
 };
 
-/// Takes fields without a role that cannot be read out of the attributes, and warns of each.
-void leave_out(const std::set<std::size_t>& unreadable, std::vector<Field>& fields, std::vector<Warning>& warnings);
-/// Takes fields without a role that cannot be read out of the table, and likewise its labels if they cannot be read.
-/// Warns of each.
-void leave_out(std::set<std::size_t> unreadable, PointTable& table, std::vector<Warning>& warnings);
+/// Fields of a text with words that are no numbers, and what is wrong with the first such word of each.
+using UnreadableFields = std::map<std::size_t, std::string>;
+
+/// Takes fields that cannot be read out of the table, and warns of each. If one of a color cannot be read, the others
+/// become values without a role. Coordinates are not among the fields.
+void leave_out(UnreadableFields unreadable, PointTable& table, std::vector<Warning>& warnings);
 
 /// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. How
 /// packed colors are read is told by read_packed_color. Labels that the file has become the attribute

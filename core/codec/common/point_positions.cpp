@@ -133,8 +133,9 @@ absl::Status read_positions(const std::array<Column, 3>& columns, bool are_float
                             const ReadOptions& options, StopCheck& check, LabeledCloud& out) {
   Cloud& cloud = out.cloud;
   const Planes planes{&cloud.x, &cloud.y, &cloud.z};
-  const double scale = options.unit == LengthUnit::kAuto ? guess_unit(columns, cloud.size(), check, out.warnings)
-                                                         : meters_per_unit(options.unit);
+  const LengthUnit unit = options.unit.value_or(LengthUnit::kMeter);
+  const double scale =
+      unit == LengthUnit::kAuto ? guess_unit(columns, cloud.size(), check, out.warnings) : meters_per_unit(unit);
   for (std::size_t axis = 0; axis < 3; ++axis) read_axis(columns[axis], scale, 0, check, *planes[axis]);
   evidence.given = options.view;
   if (evidence.position) *evidence.position *= scale;

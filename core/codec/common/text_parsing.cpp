@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -34,6 +35,21 @@ bool convert_float(std::string_view word, T& value) {
   return result.ec == std::errc{} && result.ptr == word.data() + word.size();
 }
 
+/// Converts a number whose exponent has the letter of Fortran's double precision, as in 1.5D-03.
+template <typename T>
+bool convert_fortran(std::string_view word, T& value) {
+  std::array<char, 40> copy;
+  const std::size_t letter = word.find_first_of("Dd");
+  if (letter == std::string_view::npos || letter == 0 || letter + 1 >= word.size() || word.size() > copy.size()) {
+    return false;
+  }
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  if ((!is_digit(word[letter - 1]) && word[letter - 1] != '.') || !is_digit(word.back())) return false;
+  std::ranges::copy(word, copy.begin());
+  copy[letter] = 'e';
+  return convert_float(std::string_view(copy.data(), word.size()), value);
+}
+
 /// The character that ends the lines of the text: \r if that ends the first one alone, else \n.
 char line_end(std::string_view text) {
   const std::size_t first = text.find_first_of("\r\n");
@@ -62,6 +78,11 @@ std::optional<T> microsoft_number(std::string_view word) {
 std::string_view without_byte_order_mark(std::string_view text) {
   constexpr std::string_view kMark = "\xEF\xBB\xBF";
   if (text.starts_with(kMark)) text.remove_prefix(kMark.size());
+  return text;
+}
+
+std::string_view without_end_marks(std::string_view text) {
+  while (!text.empty() && (text.back() == '\0' || text.back() == '\x1a')) text.remove_suffix(1);
   return text;
 }
 
@@ -108,7 +129,7 @@ bool parse_scalar(std::string_view word, ScalarType type, std::byte* out) {
     if constexpr (std::is_floating_point_v<T>) {
       if (const auto number = microsoft_number<T>(word)) {
         value = *number;
-      } else if (!convert_float(word, value)) {
+      } else if (!convert_float(word, value) && !convert_fortran(word, value)) {
         return false;
       } else if (std::isnan(value)) {
         value = std::numeric_limits<T>::quiet_NaN();

@@ -38,6 +38,9 @@ class LineReader {
 /// The text without a byte order mark of UTF-8 at its beginning.
 std::string_view without_byte_order_mark(std::string_view text);
 
+/// The text without what is no text at its end: zeros of a file that was made too long, and the Control-Z of DOS.
+std::string_view without_end_marks(std::string_view text);
+
 /// The most values that a text of so many bytes can hold: each takes at least a digit and a delimiter, and the last one
 /// needs no delimiter.
 constexpr std::uint64_t most_values(std::uint64_t bytes) { return (bytes + 1) / 2; }
@@ -55,8 +58,9 @@ std::optional<std::uint64_t> parse_count(std::string_view word);
 
 /// Parses a number of the type, which may begin with a sign, and writes its `size_of(type)` bytes to `out`. Returns
 /// false if `word` is no such number. An integer must fit the type, and has no decimals. A float may be nan or inf, in
-/// Microsoft's spelling too (1.#QNAN, -1.#IND, 1.#INF); beyond the range of kFloat32 it becomes 0 or infinite, and
-/// beyond the range of double it is refused. Every NaN becomes the same one, since text does not keep its bits.
+/// Microsoft's spelling too (1.#QNAN, -1.#IND, 1.#INF), and have Fortran's exponent (1.5D-03); beyond the range of
+/// kFloat32 it becomes 0 or infinite, and beyond the range of double it is refused. Every NaN becomes the same one,
+/// since text does not keep its bits.
 bool parse_scalar(std::string_view word, ScalarType type, std::byte* out);
 
 /// Appends the shortest text that reads back as the same float. Every NaN becomes `nan`.

@@ -48,6 +48,10 @@ class ColumnNamer {
       names_.emplace_back("label");
       return;
     }
+    if (color_ > 0 && names_.size() == color_ + 3 && is_full(names_.size())) {
+      names_.emplace_back("alpha");
+      return;
+    }
     const bool is_intensity = names_.size() == 3 && (left() == 1 || left() >= 4);
     names_.push_back(is_intensity ? "intensity" : fmt::format("column_{}", names_.size() + 1));
   }
@@ -57,9 +61,20 @@ class ColumnNamer {
     constexpr std::size_t kIntensity = 3, kColorBehind = 4, kLastBlue = 6, kLabel = 7;
     const bool could_be = names_.size() == kIntensity && (left() == 4 || left() == 5) && is_color(kColorBehind);
     if (!could_be) return false;
+    if (left() == 4 && is_full(kLastBlue) && !is_full(kLastBlue - 1)) return false;  // It is an alpha.
     if (left() == 5) return is_label(kLabel, kColorBehind) && !is_label(kLastBlue, kIntensity);
     is_ambiguous_ = true;
     return !is_label(kLastBlue, kIntensity);
+  }
+
+  /// Whether all values of a column are full intensity.
+  bool is_full(std::size_t column) {
+    bool fits = true;
+    for_each_value(columns_[column], points_, check_, [&fits](std::size_t, auto value) {
+      const auto number = static_cast<double>(value);
+      fits = fits && (number == 255 || number == 65535);
+    });
+    return fits;
   }
 
   /// Whether the values of a column are small integers, and those of the colors from `color` on are larger or have

@@ -16,6 +16,7 @@ namespace segserve::codec {
 ///     x y z                              x y z intensity
 ///     x y z red green blue               x y z nx ny nz (of length 1)
 ///     x y z intensity red green blue     the same with a triple of colors or normals, or other values, behind
+///     x y z red green blue alpha (full for all points)
 ///
 /// A last column of integers up to 64 behind colors that are larger or have decimals is a label, if there are seven or
 /// eight columns. Seven columns that can be read in either way else are x y z intensity red green blue, as in PTS, and

@@ -57,6 +57,8 @@ class Vertices {
         RETURN_IF_ERROR(check_decoded_points(kPrefix, size(), kNumbers * sizeof(double), limits));
       } else if (keyword == "vn") {
         if (keep_normals_) add_normal(rest);
+      } else if (keyword == "usemtl" || keyword == "usemap") {
+        has_materials_ = true;
       } else if (!is_keyword(keyword)) {
         ++strange_;
         if (first_strange_.empty()) first_strange_ = fmt::format("line {}: {}", line->number, quoted(line->text));
@@ -88,6 +90,13 @@ class Vertices {
       warnings.push_back({WarningReason::kRowsNotUsed,
                           fmt::format("{} lines are of no kind that OBJ has, and not used; the first is {}", strange_,
                                       first_strange_)});
+    }
+    if (colored_ == 0 && has_materials_) {
+      warnings.push_back(
+          {WarningReason::kColorNotUsed,
+           fmt::format("the cloud of {} vertices has no color: it is in materials or textures, which are "
+                       "not read; save colors of vertices",
+                       size())});
     }
     if (colored_ > 0 && colored_ < size()) {
       warnings.push_back({WarningReason::kColorNotUsed,
@@ -124,6 +133,7 @@ class Vertices {
   std::vector<double> values_, normals_;
   std::size_t colored_ = 0, strange_ = 0;
   std::string first_strange_;
+  bool has_materials_ = false;
   bool is_continued_ = false;  // the last line ends in a backslash
 };
 

@@ -65,21 +65,21 @@ struct Slot {
 /// The rows of a text body.
 struct TextBody {
   TypedRows rows;
-  std::vector<Slot> slots;           ///< in the order of the words
-  std::size_t words = 0;             ///< number of words in a line
-  std::set<std::size_t> needed;      ///< the fields that cannot be left out, unlike labels
-  std::set<std::size_t> unreadable;  ///< the other fields that have words which are no numbers
+  std::vector<Slot> slots;     ///< in the order of the words
+  std::size_t words = 0;       ///< number of words in a line
+  std::set<std::size_t> used;  ///< the fields that make points and colors, whose types are those of the header
+  UnreadableFields unreadable;
 
   /// Keeps all fields, or only those that have a role.
   TextBody(const PcdHeader& header, bool keep_all) {
-    const auto used = header.roles.fields();
-    needed = {used.begin(), used.end()};
-    const std::set<std::size_t> kept = needed;
-    if (header.roles.label) needed.erase(*header.roles.label);
+    const auto with_role = header.roles.fields();
+    used = {with_role.begin(), with_role.end()};
+    const std::set<std::size_t> kept = used;
+    if (header.roles.label) used.erase(*header.roles.label);
     for (std::size_t i = 0; i < header.fields.size(); ++i) {
       const PcdField& field = header.fields[i];
       if (kept.contains(i) || (keep_all && !field.is_padding())) {
-        rows.add_field(field.type, field.count, std::ranges::count(header.roles.position, i) > 0);
+        rows.add_field(field.type, field.count, header.roles.is_position(i));
         for (std::size_t k = 0; k < field.count; ++k) slots.push_back({words + k, i, k});
       } else {
         rows.add_skipped_field();
@@ -102,12 +102,12 @@ absl::Status parse_row(const PcdHeader& header, const LineReader::Line& line, st
     }
     if (slot == body.slots.end() || slot->word != words) continue;
     const PcdField& field = header.fields[slot->field];
-    if (!body.rows.put(row, slot->field, slot->index, word)) {
-      if (body.needed.contains(slot->field)) {
-        return fault("line {}: {} is not a value of field {} ({} of {} bytes)", line.number, quoted(word),
-                     quoted(field.name), is_float(field.type) ? "a float" : "an integer", field.bytes());
-      }
-      body.unreadable.insert(slot->field);
+    if (!body.rows.put(row, slot->field, slot->index, word) && !body.unreadable.contains(slot->field)) {
+      std::string explanation =
+          fmt::format("line {}: {} is not a value of field {} ({} of {} bytes)", line.number, quoted(word),
+                      quoted(field.name), is_float(field.type) ? "a float" : "an integer", field.bytes());
+      if (header.roles.is_position(slot->field)) return fault("{}", explanation);
+      body.unreadable.emplace(slot->field, std::move(explanation));
     }
     ++slot;
   }
@@ -225,10 +225,10 @@ absl::Status BodyReader::read_ascii(std::span<const std::byte> bytes) {
   RETURN_IF_ERROR(parse_rows(header_, without_byte_order_mark(as_text(bytes)), check, body, out_.warnings));
   PointTable table = make_table([&](std::size_t field) { return body.rows.column(field); });
   for (std::size_t i = 0; i < table.fields.size(); ++i) {
-    if (!body.needed.contains(i) && body.rows.is_kept(i)) table.fields[i].type = body.rows.fitting_type(i, check);
+    if (!body.used.contains(i) && body.rows.is_kept(i)) table.fields[i].type = body.rows.fitting_type(i, check);
   }
   RETURN_IF_ERROR(check.status());
-  leave_out(body.unreadable, table, out_.warnings);
+  leave_out(std::move(body.unreadable), table, out_.warnings);
   return read_table(table);
 }
 

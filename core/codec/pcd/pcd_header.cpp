@@ -37,6 +37,12 @@ using Entries = std::map<std::string_view, Entry>;
 constexpr std::array<std::string_view, 10> kKeywords{"VERSION", "FIELDS", "SIZE",      "TYPE",   "COUNT",
                                                      "WIDTH",   "HEIGHT", "VIEWPOINT", "POINTS", "DATA"};
 
+std::string upper_case(std::string_view text) {
+  std::string upper(text);
+  for (char& c : upper) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  return upper;
+}
+
 absl::Status check_keyword(std::string_view keyword, std::size_t line, const Entries& entries) {
   if (std::find(kKeywords.begin(), kKeywords.end(), keyword) == kKeywords.end()) {
     if (entries.empty()) {
@@ -65,6 +71,9 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
       continue;
     }
     if (keyword.empty()) continue;
+    if (const auto known = std::ranges::find(kKeywords, upper_case(keyword)); known != kKeywords.end()) {
+      keyword = *known;
+    }
     if (keyword == "COLUMNS") keyword = "FIELDS";  // The entry had this name before version 0.6.
     RETURN_IF_ERROR(check_keyword(keyword, line->number, entries));
     if (!line->terminated) break;
@@ -207,7 +216,7 @@ absl::Status read_viewpoint(const Entries& entries, PcdHeader& header) {
 
 absl::Status read_encoding(const Entries& entries, PcdHeader& header) {
   const Entry& entry = entries.at("DATA");
-  const std::string_view word = entry.words.size() == 1 ? entry.words[0] : "";
+  const std::string word = lower_case(entry.words.size() == 1 ? entry.words[0] : "");
   if (word == "ascii") {
     header.encoding = PcdEncoding::kAscii;
   } else if (word == "binary") {

@@ -123,6 +123,7 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
                    kMostHeaderFields);
     }
     if (words[0] == "comment") {
+      header.has_texture = header.has_texture || (words.size() > 1 && words[1] == "TextureFile");
       const auto view = stated_view(line->text.substr(std::min(line->text.size(), line->text.find("comment ") + 8)));
       if (view) header.stated_view = view;
     }
@@ -136,16 +137,27 @@ absl::Status assign_roles(PlyHeader& header) {
   auto roles = find_field_roles(fields_of(header.elements[header.vertex]), header.warnings);
   if (!roles.ok()) return with_prefix("PLY header: properties of 'vertex'", roles.status());
   header.roles = *std::move(roles);
+  const bool is_told = !header.warnings.empty();
+  if (header.has_texture && !header.roles.has_color() && !is_told) {
+    header.warnings.push_back(
+        {WarningReason::kColorNotUsed,
+         "the cloud has no color: it is in an image of texture, which is not read; save colors of "
+         "vertices"});
+  }
   return absl::OkStatus();
 }
 
 absl::Status find_vertex(const DecodeLimits& limits, PlyHeader& header) {
   Words names;
   for (const PlyElement& element : header.elements) names.emplace_back(element.name);
-  const auto vertex = find_unique(names, "vertex");
-  if (!vertex.ok()) return with_prefix("PLY header: elements", vertex.status());
-  if (!*vertex) return fault("it has no element 'vertex'");
-  header.vertex = **vertex;
+  std::optional<std::size_t> found;
+  for (const std::string_view wanted : {"vertex", "Vertex", "vertices", "point", "points"}) {
+    const auto vertex = find_unique(names, wanted);
+    if (!vertex.ok()) return with_prefix("PLY header: elements", vertex.status());
+    if (!found) found = *vertex;
+  }
+  if (!found) return fault("it has no element 'vertex'");
+  header.vertex = *found;
   const std::uint64_t points = header.elements[header.vertex].rows;
   RETURN_IF_ERROR(check_points(kPrefix, points, limits));
   if (points > std::numeric_limits<std::uint32_t>::max()) {  // The number becomes the width of the cloud.

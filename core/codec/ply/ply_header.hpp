@@ -40,9 +40,10 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  std::size_t vertex = 0;           ///< index of the element `vertex`
+  std::size_t vertex = 0;           ///< index of the element `vertex`, or `point` if there is none
   FieldRoles roles;                 ///< indices into the properties of `vertex`
   std::optional<View> stated_view;  ///< see view_statement
+  bool has_texture = false;         ///< a comment names an image of texture, as MeshLab writes it
   std::vector<Warning> warnings;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file
   std::size_t body_line = 1;    ///< number of the body's first line, counted from 1

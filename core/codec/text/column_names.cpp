@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "core/codec/common/header_limits.hpp"
+#include "core/codec/common/position_names.hpp"
+#include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -13,13 +15,6 @@ namespace {
 using Triple = std::array<std::string_view, 3>;
 
 constexpr Triple kPosition{"x", "y", "z"}, kColor{"red", "green", "blue"};
-constexpr std::array<Triple, 5> kOtherPositions{{
-    {"points:0", "points:1", "points:2"},
-    {"points_m_xyz:0", "points_m_xyz:1", "points_m_xyz:2"},
-    {"easting", "northing", "elevation"},
-    {"easting", "northing", "height"},
-    {"easting", "northing", "altitude"},
-}};
 constexpr std::array<Triple, 4> kOtherColors{{
     {"rgb:0", "rgb:1", "rgb:2"},
     {"rgba:0", "rgba:1", "rgba:2"},
@@ -55,25 +50,46 @@ void rename(const std::array<Triple, kCount>& others, const Triple& usual, std::
   }
 }
 
-/// The name without a unit in brackets behind it, and without the spaces between them.
-std::string_view without_unit(std::string_view name) {
+/// A name, and the unit in brackets behind it.
+struct NameWithUnit {
+  std::string_view name, unit;
+};
+
+/// Takes a unit in brackets, and the spaces in front of it, off a name. A number in brackets is part of the name.
+NameWithUnit split_unit(std::string_view name) {
   const bool has_unit = name.ends_with(']') || name.ends_with(')');
-  if (!has_unit) return name;
-  const std::size_t bracket = name.find_first_of("[(");
-  if (bracket == std::string_view::npos) return name;
+  const std::size_t bracket = has_unit ? name.find_first_of("[(") : std::string_view::npos;
+  if (bracket == std::string_view::npos) return {name, ""};
+  const std::string_view unit = name.substr(bracket);
+  if (parse_count(unit.substr(1, unit.size() - 2))) return {name, ""};
   const std::size_t end = name.substr(0, bracket).find_last_not_of(' ');
-  return end == std::string_view::npos ? std::string_view() : name.substr(0, end + 1);
+  return {end == std::string_view::npos ? std::string_view() : name.substr(0, end + 1), unit};
+}
+
+/// Gives the usual names to those of the position, and finds their unit, which may stand in brackets behind them.
+void rename_position(const std::vector<std::string_view>& units, ColumnNames& out) {
+  const auto found = find_position_names({out.names.begin(), out.names.end()});
+  if (!found) return;
+  const auto unit_behind = [&](std::size_t axis) { return unit_in_words(units[found->fields[axis]]); };
+  out.unit = found->unit;
+  if (!out.unit && unit_behind(0) == unit_behind(1) && unit_behind(0) == unit_behind(2)) out.unit = unit_behind(0);
+  for (std::size_t axis = 0; axis < 3; ++axis) out.names[found->fields[axis]] = kPosition[axis];
 }
 
 ColumnNames names_between(std::string_view line, Separator separator) {
   ColumnNames out{{}, separator};
+  std::vector<std::string_view> units;
   for (const std::string_view cell : split_cells(line, separator, kMostHeaderFields + 1)) {
-    const std::string_view name = without_unit(cell);
+    const auto [name, unit] = split_unit(cell);
     const bool is_unit = name.empty() && !cell.empty();
-    if (is_unit && separator == Separator::kSpace) continue;  // It belongs to the name before it.
+    if (is_unit && separator == Separator::kSpace) {  // It belongs to the name before it.
+      if (!units.empty()) units.back() = unit;
+      continue;
+    }
     out.names.emplace_back(is_unit ? cell : name);
+    units.push_back(unit);
   }
-  rename(kOtherPositions, kPosition, out.names);
+  rename_position(units, out);
   rename(kOtherColors, kColor, out.names);
   return out;
 }

@@ -9,6 +9,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/codec/common/header_limits.hpp"
+#include "core/codec/common/position_names.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/text/column_names.hpp"
 #include "core/codec/text/row_shape.hpp"
@@ -37,6 +38,25 @@ bool is_pcd_entry(std::string_view line) {
   return std::ranges::find(kEntries, take_word(line)) != kEntries.end();
 }
 
+/// Whether a line of words is a title: names of columns stand in one of the next lines, with a row below them.
+bool is_title(std::string_view line, std::string_view rest) {
+  constexpr std::size_t kMostTitles = 32, kEnough = std::size_t{1} << 16U;
+  const auto has_names = [](std::string_view text) {
+    return column_names(text.substr(0, kMostHeaderBytes)).position() && !is_pcd_entry(text);
+  };
+  if (is_pcd_entry(line) || has_names(line)) return false;
+  LineReader lines(rest.substr(0, kEnough));
+  std::optional<ColumnNames> names;
+  for (std::size_t i = 0; i < kMostTitles; ++i) {
+    const auto next = lines.next();
+    if (!next) return false;
+    if (is_blank(next->text)) continue;
+    if (names) return named_row(*names, next->text).has_value();
+    if (has_names(next->text)) names = column_names(next->text);
+  }
+  return false;
+}
+
 /// Walks over the lines above the first row.
 class StartFinder {
  public:
@@ -55,9 +75,12 @@ class StartFinder {
         start_.offset = offset;
         start_.line = line->number;
         RETURN_IF_ERROR(take_row(line->text));
+        start_.unit = names_.unit;
         start_.names = std::move(names_.names);
         return std::move(start_);
-      } else {
+      } else if (names_.names.empty() && is_title(line->text, file_.substr(lines_.offset()))) {
+        ++start_.titles;
+      } else if (!is_below_names(line->text)) {
         RETURN_IF_ERROR(take_names(*line));
       }
       offset = lines_.offset();
@@ -74,8 +97,31 @@ class StartFinder {
     }
   }
 
+  /// Whether a line below the names has the units of the columns, which are noted, or is a rule of dashes.
+  bool is_below_names(std::string_view line) {
+    const auto position = names_.position();
+    if (!position) return false;
+    if (line.find_first_not_of("-:|,;+ \t") == std::string_view::npos) return true;
+    const auto cells = split_cells(line, names_.separator, kMostHeaderFields + 1);
+    if (cells.size() > names_.names.size()) return false;
+    std::array<std::optional<LengthUnit>, 3> units;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::size_t column = (*position)[axis];
+      if (column < cells.size()) units[axis] = unit_in_words(cells[column]);
+    }
+    if (!units[0] || units[0] != units[1] || units[0] != units[2]) return false;
+    names_.unit = units[0];
+    return true;
+  }
+
   absl::Status take_names(const LineReader::Line& line) {
     ColumnNames names = column_names(line.text);
+    if (are_degrees({names.names.begin(), names.names.end()})) {
+      return fault(
+          "line {}: latitudes and longitudes are no coordinates in meters; project them first, for example to "
+          "UTM",
+          line.number);
+    }
     if (!names_.names.empty() || !names.position()) {
       return fault(
           "line {} is neither numbers nor the names of columns, x, y and z among them: {}; names that are "
@@ -156,6 +202,7 @@ TableKind table_kind(std::string_view file) {
     if (is_row_without_names(begin)) {
       return split_cells(begin, separator_of(begin)).size() >= 3 ? TableKind::kPoints : TableKind::kNone;
     }
+    if (is_title(line->text, file.substr(lines.offset()))) return TableKind::kPoints;
     const ColumnNames names = column_names(begin);
     if (names.names.size() == 1 || is_pcd_entry(begin)) return TableKind::kNone;
     if (names.position()) return TableKind::kPoints;

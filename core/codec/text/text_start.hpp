@@ -11,6 +11,7 @@
 #include "absl/status/statusor.h"
 #include "core/codec/text/text_cells.hpp"
 #include "segserve/cloud.hpp"
+#include "segserve/codec/length_unit.hpp"
 
 namespace segserve::codec {
 
@@ -19,8 +20,10 @@ struct TextStart {
   std::vector<std::string> names;      ///< of the columns; empty if there are none
   std::optional<std::uint64_t> count;  ///< of the rows, as PTS has it
   std::optional<View> stated_view;
+  std::optional<LengthUnit> unit;  ///< of x, y and z, if it stands beside or below their names
   Separator separator = Separator::kSpace;
   std::size_t columns = 0;
+  std::size_t titles = 0;  ///< lines of words above the names
   std::size_t offset = 0;  ///< of the first row
   std::size_t line = 1;    ///< of the first row
 };

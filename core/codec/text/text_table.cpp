@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -41,29 +39,6 @@ std::vector<std::string> names_of(const TextStart& start, const TextRows& rows, 
   return names;
 }
 
-/// Takes their role from colors and labels that are words, with a warning.
-void leave_out_words(PointTable& table, std::map<std::size_t, std::string>& unreadable,
-                     std::vector<Warning>& warnings) {
-  FieldRoles& roles = table.roles;
-  if (const auto label = roles.label; label && unreadable.contains(*label)) {
-    warnings.push_back({WarningReason::kLabelNotUsed, "the labels are not used: " + unreadable[*label]});
-    table.fields[*label].count = 0;
-    roles.label.reset();
-    unreadable.erase(*label);
-  }
-  std::vector<std::size_t> color;
-  if (roles.packed) color.push_back(*roles.packed);
-  if (roles.channels) color.assign(roles.channels->begin(), roles.channels->end());
-  const auto words = std::ranges::find_if(color, [&](std::size_t field) { return unreadable.contains(field); });
-  if (words == color.end()) return;
-  warnings.push_back({WarningReason::kColorNotUsed, "the cloud has no color: " + unreadable[*words]});
-  for (const std::size_t field : color) {
-    if (unreadable.erase(field) > 0) table.fields[field].count = 0;
-  }
-  roles.packed.reset();
-  roles.channels.reset();
-}
-
 absl::StatusOr<PointTable> make_table(const std::vector<std::string>& names, const TextRows& rows,
                                       std::vector<Warning>& warnings) {
   PointTable table;
@@ -71,15 +46,11 @@ absl::StatusOr<PointTable> make_table(const std::vector<std::string>& names, con
   auto roles = find_field_roles(table.fields, warnings);
   if (!roles.ok()) return fault("{}", std::string(roles.status().message()));
   table.roles = *std::move(roles);
-  std::map<std::size_t, std::string> unreadable = rows.unreadable();
-  leave_out_words(table, unreadable, warnings);
   for (const std::size_t axis : table.roles.position) {
-    const auto found = unreadable.find(axis);
-    if (found != unreadable.end()) return fault("{}", found->second);
+    const auto found = rows.unreadable().find(axis);
+    if (found != rows.unreadable().end()) return fault("{}", found->second);
   }
-  std::set<std::size_t> left_out;
-  for (const auto& [column, words] : unreadable) left_out.insert(column);
-  leave_out(left_out, table.fields, warnings);
+  leave_out(rows.unreadable(), table, warnings);
   for (const std::size_t rounded : rows.rounded()) {
     warnings.push_back({WarningReason::kAttributeNotKept,
                         fmt::format("integers beyond 2^53 of {} are rounded, because some values of the column are no "
@@ -97,7 +68,7 @@ absl::StatusOr<PointTable> make_table(const std::vector<std::string>& names, con
 absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                                const ReadOptions& options, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes(kPrefix, bytes.size(), limits));
-  const std::string_view file = without_byte_order_mark(as_text(bytes));
+  const std::string_view file = without_end_marks(without_byte_order_mark(as_text(bytes)));
   ASSIGN_OR_RETURN(const TextStart start, find_text_start(file));
   StopCheck check(stop);
   TextRows rows(start, limits);
@@ -107,9 +78,15 @@ absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes,
     out.warnings.push_back({WarningReason::kRowsNotUsed,
                             fmt::format("{} points are promised, and {} are there", rows.promised(), rows.points())});
   }
+  if (start.titles > 0) {
+    out.warnings.push_back({WarningReason::kRowsNotUsed,
+                            fmt::format("{} line{} of words above the names of the columns {} not used", start.titles,
+                                        start.titles == 1 ? "" : "s", start.titles == 1 ? "is" : "are")});
+  }
   const std::vector<std::string> names = names_of(start, rows, check, out.warnings);
   RETURN_IF_ERROR(check.status());
-  ASSIGN_OR_RETURN(const PointTable table, make_table(names, rows, out.warnings));
+  ASSIGN_OR_RETURN(PointTable table, make_table(names, rows, out.warnings));
+  table.roles.unit = start.unit;
   RETURN_IF_ERROR(read_points(table, {.stated = start.stated_view}, options, stop, out));
   return out;
 }

@@ -52,16 +52,36 @@ TEST(FieldRoles, ColorsHaveManyNames) {
   EXPECT_EQ(find(fields_of({"x", "y", "z", "RGBA"})).roles.packed, 3U);
 }
 
-TEST(FieldRoles, ColorsInOneFieldArePackedOrThreeNumbers) {
+TEST(FieldRoles, ColorsInOneNumberArePacked) {
   for (const ScalarType type : {ScalarType::kInt32, ScalarType::kInt64, ScalarType::kUint64, ScalarType::kFloat64}) {
     EXPECT_EQ(find(fields_of({"x", "y", "z", "rgb"}, type)).roles.packed, 3U);
   }
-  std::vector<Field> fields = fields_of({"x", "y", "z", "rgb"}, ScalarType::kUint8);
-  fields[3].count = 3;
-  EXPECT_EQ(find(fields).roles.color_vector, 3U);
-  EXPECT_THAT(find(fields).roles.fields(), ElementsAre(0, 1, 2, 3));
-  fields[3].count = 4;  // in an order that is not known
-  EXPECT_FALSE(find(fields).roles.has_color());
+}
+
+TEST(FieldRoles, ColorsInOneFieldAreThreeOrFourNumbers) {
+  struct Case {
+    std::string_view name;
+    std::size_t count;
+    bool is_reversed, is_told;
+  };
+  for (const Case& c : std::vector<Case>{{"rgb", 3, false, false},
+                                         {"rgb", 4, false, true},
+                                         {"RGBA", 4, false, false},
+                                         {"bgr", 3, true, false},
+                                         {"bgra", 4, true, false},
+                                         {"color", 3, false, false},
+                                         {"Colors", 4, false, true}}) {
+    for (const ScalarType type : {ScalarType::kUint8, ScalarType::kFloat32}) {
+      std::vector<Field> fields = fields_of({"x", "y", "z", c.name}, type);
+      fields[3].count = c.count;
+      const Found found = find(fields);
+      EXPECT_EQ(found.roles.color_vector, 3U) << c.name;
+      EXPECT_EQ(found.roles.color_vector_is_reversed, c.is_reversed) << c.name;
+      EXPECT_THAT(found.roles.fields(), ElementsAre(0, 1, 2, 3));
+      EXPECT_EQ(found.warnings.size(), c.is_told ? 1U : 0U) << c.name;
+    }
+  }
+  EXPECT_FALSE(find(fields_of({"x", "y", "z", "color"})).roles.has_color()) << "one number is no color";
 }
 
 TEST(FieldRoles, AColorThatCannotBeUsedIsMentioned) {

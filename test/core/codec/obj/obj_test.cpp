@@ -46,6 +46,13 @@ TEST(Obj, NormalsAreKeptIfEachVertexHasOne) {
   EXPECT_THAT(mesh->warnings[0].message, HasSubstr("2 vertices have 1 of them"));
 }
 
+TEST(Obj, ColorsInMaterialsAreMentioned) {
+  const auto cloud = decode_cloud(bytes_of("mtllib a.mtl\nusemtl skin\nv 1 2 3\nv 4 5 6\nvt 0 0\n"), {});
+  ASSERT_TRUE(cloud.ok()) << cloud.status();
+  ASSERT_EQ(cloud->warnings.size(), 1U);
+  EXPECT_EQ(cloud->warnings[0].reason, WarningReason::kColorNotUsed);
+}
+
 TEST(Obj, AnAlphaBehindTheColorIsLeftOut) {
   const auto cloud = decode_cloud(bytes_of("v 1 2 3 1.0 0.5 0 1\nv 4 5 6 0 0 1 0.5\n"), {});
   ASSERT_TRUE(cloud.ok()) << cloud.status();

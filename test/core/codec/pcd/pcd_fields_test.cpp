@@ -91,6 +91,19 @@ TEST(PcdFields, PackedFloatsThatAreWholeNumbersAreTheirValues) {
   EXPECT_THAT(decode(binary).cloud.rgb, ElementsAre(0x404040U, 0xFFU));
 }
 
+TEST(PcdFields, AColorMayBeOneFieldOfSeveralNumbers) {
+  std::string bytes = header("x y z rgba", "4 4 4 1", "F F F U", "1 1 1 4", 2, "binary");
+  for (const char* color : {"\x10\x20\x30\xff", "\x01\x02\x03\x04"}) bytes.append(12, '\0').append(color, 4);
+  EXPECT_THAT(decode(bytes).cloud.rgb, ElementsAre(0x102030U, 0x010203U));
+  const std::string text =
+      header("x y z bgr", "4 4 4 4", "F F F F", "1 1 1 3", 2, "ascii") + "0 0 0 0 0 1\n0 0 0 1 0 0\n";
+  EXPECT_THAT(decode(text).cloud.rgb, ElementsAre(0xFF0000U, 0x0000FFU));
+  const std::string unclear = header("x y z rgb", "4 4 4 1", "F F F U", "1 1 1 4", 1, "ascii") + "0 0 0 16 32 48 255\n";
+  EXPECT_THAT(decode(unclear).cloud.rgb, ElementsAre(0x102030U));
+  ASSERT_EQ(decode(unclear).warnings.size(), 1U);
+  EXPECT_THAT(decode(unclear).warnings[0].message, testing::HasSubstr("'rgb' are taken as red, green, blue"));
+}
+
 TEST(PcdFields, PackedColorsThatAreNanAreMentioned) {
   const std::string file = header("x y z rgb", "4 4 4 4", "F F F F", "1 1 1 1", 4, "ascii") +
                            "1 2 3 nan\n1 2 3 -nan\nnan nan nan nan\n1 2 3 2.3418052e-38\n";
@@ -230,6 +243,22 @@ TEST(PcdFields, TextOfFloatsFarAwayIsExact) {
   const LabeledCloud read = decode(file);
   EXPECT_NEAR(read.cloud.y[1] - read.cloud.y[0], 0.0102, 1e-6);
   EXPECT_NEAR(read.cloud.x[1] - read.cloud.x[0], 0.0001, 1e-6);
+}
+
+TEST(PcdFields, ColorsThatAreWordsAreLeftOutAndMentioned) {
+  const std::string file = header("x y z r g b", "4 4 4 1 1 1", "F F F U U U", "1 1 1 1 1 1", 2, "ascii") +
+                           "0 0 0 1 2 3\n0 0 1 0 dark blue\n";
+  const LabeledCloud read = decode(file);
+  EXPECT_FALSE(read.cloud.has_color());
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kColorNotUsed);
+  EXPECT_THAT(read.warnings[0].message, testing::HasSubstr("'dark' is not a value of field 'g' (an integer of 1"));
+}
+
+TEST(PcdFields, KeywordsMayBeInSmallLetters) {
+  const LabeledCloud read =
+      decode("version 0.7\nfields X Y Z\nsize 4 4 4\ntype F F F\nwidth 1\nheight 1\npoints 1\ndata ASCII\n1 2 3\n");
+  EXPECT_THAT(read.cloud.z, ElementsAre(3));
 }
 
 TEST(PcdFields, LabelsThatAreWordsAreLeftOutAndMentioned) {

@@ -95,6 +95,32 @@ TEST(PlyRead, TextIsReadAsItIsWrittenWhateverTypeIsClaimed) {
   EXPECT_THAT(read.label, ElementsAre(2U, 0U));
 }
 
+TEST(PlyRead, VerticesMayHaveOtherNames) {
+  for (const std::string_view name : {"vertex", "Vertex", "vertices", "point", "points"}) {
+    const LabeledCloud read =
+        decode("ply\nformat ascii 1.0\nelement " + std::string(name) +
+               " 2\nproperty float px\nproperty float py\nproperty float pz\nend_header\n1 2 3\n4 5 6\n");
+    EXPECT_THAT(read.cloud.y, ElementsAre(2, 5)) << name;
+  }
+}
+
+TEST(PlyRead, ColorsInATextureAreMentioned) {
+  const LabeledCloud read =
+      decode("ply\nformat ascii 1.0\ncomment TextureFile a.png\n" + kTwoVertices + "end_header\n1 2 3\n4 5 6\n");
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].reason, WarningReason::kColorNotUsed);
+}
+
+TEST(PlyRead, ColorsThatAreWordsAreLeftOutAndMentioned) {
+  const LabeledCloud read = decode("ply\nformat ascii 1.0\n" + kTwoVertices +
+                                   "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n"
+                                   "1 2 3 1 2 3\n4 5 6 1 dark 3\n");
+  EXPECT_THAT(read.cloud.x, ElementsAre(1, 4));
+  EXPECT_FALSE(read.cloud.has_color());
+  ASSERT_EQ(read.warnings.size(), 1U);
+  EXPECT_EQ(read.warnings[0].message, "the cloud has no color: line 12: 'dark' is not a value of 'green'");
+}
+
 TEST(PlyRead, LabelsThatAreWordsAreLeftOutAndMentioned) {
   const LabeledCloud read = decode(
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\n"

@@ -37,6 +37,80 @@ TEST(TextTable, EverySeparatorIsRead) {
   }
 }
 
+TEST(TextTable, CoordinatesHaveNamesOfManyKinds) {
+  for (const std::string_view names :
+       {"x,y,z", "X,Y,Z", "x_m,y_m,z_m", "pos_x,pos_y,pos_z", "position.x,position.y,position.z", "px,py,pz",
+        "X Coord,Y Coord,Z Coord", "x_coordinate,y_coordinate,z_coordinate", "field.x,field.y,field.z",
+        "xyz[0],xyz[1],xyz[2]", "xyz_0,xyz_1,xyz_2", "Points:0,Points:1,Points:2", "Easting,Northing,Elevation",
+        "E,N,Z", "X (m),Y (m),Z (m)"}) {
+    const LabeledCloud cloud = read(std::string(names) + "\n1,2,3\n4,5,6\n");
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << names;
+    EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << names;
+    EXPECT_THAT(cloud.warnings, IsEmpty()) << names;
+    EXPECT_TRUE(cloud.attributes.empty()) << names;
+  }
+  EXPECT_THAT(read("id,northing,easting,elevation\n7,1,2,3\n8,4,5,6\n").cloud.x, ElementsAre(2, 5));
+}
+
+TEST(TextTable, AUnitBesideOrBelowTheNamesIsTaken) {
+  struct Case {
+    std::string_view head;
+    double meters;
+  };
+  for (const Case& c : std::vector<Case>{{"x [mm],y [mm],z [mm]\n", 0.001},
+                                         {"X (mm), Y (mm), Z (mm)\n", 0.001},
+                                         {"x_mm,y_mm,z_mm\n", 0.001},
+                                         {"pos_x_cm,pos_y_cm,pos_z_cm\n", 0.01},
+                                         {"x (feet),y (feet),z (feet)\n", 0.3048},
+                                         {"x,y,z\nmm,mm,mm\n", 0.001},
+                                         {"x,y,z\n[cm],[cm],[cm]\n", 0.01},
+                                         {"x,y,z\n----,----,----\n", 1},
+                                         {"x,y,z\nm,m,m\n", 1},
+                                         {"x (px),y (px),z (px)\n", 1},
+                                         {"x [mm],y [m],z [m]\n", 1}}) {
+    const std::string file = std::string(c.head) + "1,2,3\n4,5,6\n";
+    const LabeledCloud cloud = read(file);
+    EXPECT_DOUBLE_EQ(cloud.placement.meters_per_unit(), c.meters) << c.head;
+    EXPECT_FLOAT_EQ(cloud.cloud.x[1], static_cast<float>(4 * c.meters)) << c.head;
+    EXPECT_EQ(cloud.warnings.size(), c.meters == 1 ? 0U : 1U) << c.head;
+    const auto given = decode_cloud(bytes_of(file), {}, {.unit = LengthUnit::kMeter});
+    ASSERT_TRUE(given.ok()) << given.status();
+    EXPECT_EQ(given->placement.meters_per_unit(), 1) << "a unit that is given wins: " << c.head;
+  }
+  EXPECT_THAT(read("x_mm,y_mm,z_mm\n1,2,3\n").warnings[0].message, HasSubstr("are taken as mm, as the names"));
+}
+
+TEST(TextTable, TitlesAboveTheNamesAreMentioned) {
+  const LabeledCloud cloud = read("Scan of a table\nProject: 7, phase 2\n\nx,y,z\n1,2,3\n4,5,6\n");
+  EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4));
+  ASSERT_EQ(cloud.warnings.size(), 1U);
+  EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kRowsNotUsed);
+  EXPECT_THAT(cloud.warnings[0].message, HasSubstr("2 lines of words above the names"));
+  EXPECT_FALSE(is_text_table("a title\nand another one\n1 2 3\n"));
+  EXPECT_FALSE(is_text_table("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n"));
+}
+
+TEST(TextTable, ExponentsOfFortranAndEndsOfDosAreRead) {
+  for (const std::string_view end : {"", "\n", "\n\x1a", "\r\n\x1a"}) {
+    EXPECT_THAT(read("1.5D-01 2 3\n-4.D+2 5d0 6" + std::string(end)).cloud.x, ElementsAre(0.15F, -400)) << end;
+  }
+  EXPECT_THAT(read("1 2 3\n4 5 6\n" + std::string(512, '\0')).cloud.z, ElementsAre(3, 6));
+}
+
+TEST(TextTable, AnAlphaBehindColorsIsNoIntensityBeforeThem) {
+  const LabeledCloud cloud = read("1 2 3 150 110 70 255\n4 5 6 40 60 200 255\n");
+  EXPECT_THAT(cloud.cloud.rgb, ElementsAre(0x966E46U, 0x283CC8U));
+  EXPECT_THAT(attributes_of(cloud), ElementsAre("alpha"));
+  EXPECT_THAT(read("1 2 3 9 150 110 70\n4 5 6 8 40 60 200\n").cloud.rgb, ElementsAre(0x966E46U, 0x283CC8U));
+}
+
+TEST(TextTable, DegreesAreNoCoordinates) {
+  for (const std::string_view names : {"lat,lon,alt", "Latitude,Longitude,Height", "lng,lat,z"}) {
+    const auto status = decode_text_table(bytes_of(std::string(names) + "\n52.5,13.4,30\n"), {}).status();
+    EXPECT_THAT(std::string(status.message()), HasSubstr("latitudes and longitudes are no coordinates")) << names;
+  }
+}
+
 TEST(TextTable, NamesTellTheColumns) {
   for (const std::string_view file :
        {"x,y,z,red,green,blue,intensity,label\n1,2,3,255,128,0,0.5,7\n",
@@ -285,7 +359,7 @@ TEST(TextTable, EachFaultNamesItsLine) {
       {"x y z\n1.5 2 3 4\n2.5 7 8 9\n", "line 2: '4' is one value too many"},
       {"a,b,c\n1,2,3\n",
        "line 1 is neither numbers nor the names of columns, x, y and z among them: 'a,b,c'; names "
-       "that are known are x y z, Points:0 Points:1 Points:2, or easting northing elevation"},
+       "that are known are x y z, also with a unit as in x_mm"},
       {"x y z x\n1 2 3 4\n", "'x' occurs twice"},
       {"x y z\n", "it has no row of numbers"},
       {"10\n20\n1 2 3\n", "two counts, as PTX"},

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "segserve/codec/length_unit.hpp"
+
+// The names that programs give to coordinates, other than x, y and z.
+namespace segserve::codec {
+
+/// Which of some names are those of the coordinates.
+struct PositionNames {
+  std::array<std::size_t, 3> fields{};            ///< x, y and z
+  std::optional<LengthUnit> unit = std::nullopt;  ///< that the names tell
+};
+
+/// Finds names of the kind of x_mm, pos_x, position.x, x_coord, Points:0 and easting, in any case, also with a unit
+/// behind them. x, y and z come first.
+std::optional<PositionNames> find_position_names(const std::vector<std::string_view>& names);
+
+/// The unit of length that a text such as mm, [mm], (meters) or inch names; nullopt for other texts.
+std::optional<LengthUnit> unit_in_words(std::string_view text);
+
+/// Whether the names are those of latitudes and longitudes, which are degrees and no coordinates.
+bool are_degrees(const std::vector<std::string_view>& names);
+
+/// Which names of coordinates are known, for messages.
+inline constexpr std::string_view kKnownPositions =
+    "x y z, also with a unit as in x_mm, pos_x, x_coord, Points:0, or easting northing elevation";
+
+}  // namespace segserve::codec
