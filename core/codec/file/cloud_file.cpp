@@ -101,6 +101,15 @@ const Format& format_of(std::string_view file) {
   return found == kFormats.end() ? kPcd : *found;
 }
 
+/// Whether a file begins with text.
+bool is_printable(std::string_view file) {
+  constexpr std::size_t kEnough = 256;
+  constexpr unsigned char kFirst = 0x20, kLast = 0x7e;
+  return std::ranges::all_of(file.substr(0, kEnough), [](unsigned char c) {
+    return (c >= kFirst && c <= kLast) || c == '\t' || c == '\n' || c == '\r' || c >= 0xC2;
+  });
+}
+
 absl::StatusOr<LabeledCloud> decode_plain(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                           const ReadOptions& options, const StopToken& stop) {
   const std::string_view file = as_text(bytes);
@@ -114,6 +123,12 @@ absl::StatusOr<LabeledCloud> decode_plain(std::span<const std::byte> bytes, cons
   if (cloud.ok()) cloud->format = format.name;
   // No other format has claimed the file, so that it need not be meant as PCD.
   if (absl::IsInvalidArgument(cloud.status()) && cloud.status().message().substr(0, 14) == "not a PCD file") {
+    if (!is_printable(file)) {
+      return absl::InvalidArgumentError(
+          fmt::format("not a PCD file: its bytes are those of no known format; {} can be "
+                      "read; bytes alone tell neither types nor columns: save numbers as NPY",
+                      kReadableFormats));
+    }
     return absl::InvalidArgumentError(fmt::format("{}; {} can be read", message_of(cloud.status()), kReadableFormats));
   }
   return cloud;

@@ -13,6 +13,7 @@ namespace {
 using std::string_view_literals::operator""sv;
 
 TEST(KnownFormats, AreNamed) {
+  const std::string tar = "scan.ply" + std::string(249, '\0') + "ustar";
   const std::vector<std::pair<std::string_view, std::string_view>> cases{
       {"ASTM-E57\1\0"sv, "E57"},
       {"\x1f\x8b\x08"sv, "gzip within"},
@@ -28,7 +29,30 @@ TEST(KnownFormats, AreNamed) {
       {"<?xml version=\"1.0\"?>"sv, "XML"},
       {"\xff\xfex\0"sv, "text in UTF-16"},
       {"\x89HDF\r\n\x1a\n"sv, "HDF5"},
-      {"II*\0"sv, "a TIFF image"}};
+      {"II*\0"sv, "a TIFF image"},
+      {"COFF\n8 6 0\n"sv, "OFF with colors"},
+      {"\x76\x2f\x31\x01\2\0\0\0"sv, "OpenEXR"},
+      {"RIFF\x24\0\0\0WEBPVP8 "sv, "WebP"},
+      {"RIFF\x24\0\0\0AVI LIST"sv, "AVI"},
+      {"\0\0\0\x24"
+       "ftypheic\0\0"sv,
+       "HEIC"},
+      {"\0\0\0\x20"
+       "ftypisom\0\0"sv,
+       "MP4"},
+      {"\x1a\x45\xdf\xa3\x9f"sv, "Azure Kinect"},
+      {"7z\xbc\xaf\x27\x1c\0\4"sv, "7z"},
+      {"\xd4\xc3\xb2\xa1\2\0\4\0"sv, "pcap"},
+      {"\x0a\x0d\x0d\x0a\x1c\0"sv, "pcapng"},
+      {"MATLAB 5.0 MAT-file, Platform"sv, "MATLAB"},
+      {"PAR1\x15\4"sv, "Parquet"},
+      {"\x80\x04\x95"sv, "pickle"},
+      {"CCB2\x2a"sv, "CloudCompare"},
+      {"#VRML V2.0 utf8\n"sv, "VRML"},
+      {"  0\r\nSECTION\r\n  2\r\nHEADER\r\n"sv, "DXF"},
+      {"ncols 24\nnrows 24\n"sv, "raster of heights"},
+      {"\0\5\x16\7\0\2\0\0"sv, "macOS"},
+      {tar, "a tar archive"}};
   for (const auto& [file, name] : cases) {
     const auto advice = advice_on_format(file);
     ASSERT_TRUE(advice) << name;
