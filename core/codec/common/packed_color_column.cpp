@@ -84,6 +84,21 @@ PackedColors read_packed_color(const Column& column, StopCheck& check, std::vect
   return found;
 }
 
+FloatColor float_color(const Column& column, std::size_t points, StopCheck& check) {
+  if (column.type != ScalarType::kFloat32) return FloatColor::kNone;
+  bool are_packed = true, are_bytes = true;
+  std::size_t colors = 0;
+  check.for_each(0, points, [&](std::size_t i) {
+    const auto bits = load<std::uint32_t>(column.data + i * column.stride, column.order);
+    if (bits == 0 || bits == kNoColor) return;
+    ++colors;
+    are_packed = are_packed && bits <= kColorBits;
+    are_bytes = are_bytes && bits > ~kColorBits;
+  });
+  if (colors == 0) return FloatColor::kNone;
+  return are_packed ? FloatColor::kPacked : are_bytes ? FloatColor::kBytes : FloatColor::kNone;
+}
+
 MissingColors count_missing_colors(const Column& packed, const Cloud& cloud, StopCheck& check) {
   MissingColors count;
   if (!is_float(packed.type)) return count;

@@ -25,6 +25,15 @@ struct PackedColors {
 /// quiet NaN is a missing color, and becomes black.
 PackedColors read_packed_color(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out);
 
+/// What floats without a name can be.
+enum class FloatColor : std::uint8_t {
+  kNone,    ///< numbers
+  kPacked,  ///< colors packed into their bits, 0x00RRGGBB
+  kBytes,   ///< four bytes, red first and an alpha of 255 last, as cameras of ZED have them
+};
+/// Judges by the bits: as numbers, colors are NaN, or far too small or too large to mean something.
+FloatColor float_color(const Column& column, std::size_t points, StopCheck& check);
+
 /// The points of a cloud without a packed color, among those that are there. The colors of others are NaN on purpose.
 struct MissingColors {
   std::size_t missing = 0, points = 0;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -52,6 +53,36 @@ void NpyArray::sort(StopCheck& check) {
       index[axis] = 0;
     }
   });
+}
+
+/// Whether the first axis, but for axes of length 1, is that of a few coordinates, colors and the like, and the last
+/// one too long for them.
+bool NpyArray::has_channels_first() const {
+  constexpr std::uint64_t kFewest = 3, kMost = 8, kTooLong = 64;
+  if (header_.is_structured) return false;
+  const auto channels =
+      std::ranges::find_if(header_.shape, [](std::uint64_t length) { return length != 1; }) - header_.shape.begin();
+  const std::size_t axes = header_.shape.size() - static_cast<std::size_t>(channels);
+  return (axes == 2 || axes == 3) && *(header_.shape.end() - static_cast<std::ptrdiff_t>(axes)) >= kFewest &&
+         *(header_.shape.end() - static_cast<std::ptrdiff_t>(axes)) <= kMost && header_.shape.back() > kTooLong;
+}
+
+absl::Status NpyArray::put_channels_last(StopCheck& check) {
+  if (!has_channels_first()) return absl::OkStatus();
+  turned_shape_ = shape_text(header_);
+  std::vector<std::uint64_t>& shape = header_.shape;
+  while (shape.front() == 1) shape.erase(shape.begin());
+  const std::size_t bytes = header_.element_bytes, channels = static_cast<std::size_t>(shape.front());
+  const std::size_t points = static_cast<std::size_t>(header_.elements()) / channels;
+  std::vector<std::byte> turned(channels * points * bytes);
+  check.for_each(0, points, [&](std::size_t i) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      std::memcpy(turned.data() + (i * channels + c) * bytes, data() + (c * points + i) * bytes, bytes);
+    }
+  });
+  sorted_ = std::move(turned);
+  std::ranges::rotate(shape, shape.begin() + 1);
+  return check.status();
 }
 
 std::string shape_text(const NpyHeader& header) { return fmt::format("({})", fmt::join(header.shape, ", ")); }

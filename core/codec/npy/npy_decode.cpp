@@ -46,7 +46,8 @@ absl::StatusOr<LabeledCloud> decode_npy(std::span<const std::byte> bytes, const 
                                         const ReadOptions& options, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes("NPY file: ", bytes.size(), limits));
   StopCheck check(stop);
-  ASSIGN_OR_RETURN(const NpyArray array, NpyArray::open(bytes, "NPY file", check));
+  ASSIGN_OR_RETURN(NpyArray array, NpyArray::open(bytes, "NPY file", check));
+  RETURN_IF_ERROR(array.put_channels_last(check));
   return read_array(array, {}, limits, options, stop);
 }
 

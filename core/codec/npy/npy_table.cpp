@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "core/codec/common/limit_checks.hpp"
+#include "core/codec/common/packed_color_column.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/common/unnamed_columns.hpp"
+#include "core/codec/npy/half_float.hpp"
 #include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
@@ -23,15 +23,6 @@ namespace {
 using Names = std::array<const char*, 3>;
 constexpr Names kPosition{"x", "y", "z"}, kColor{"red", "green", "blue"};
 
-/// A float of 16 bits (IEEE 754 binary16).
-float half_value(std::uint16_t half) {
-  const int exponent = (half >> 10U) & 0x1F, mantissa = half & 0x3FF;
-  const float sign = (half & 0x8000U) != 0 ? -1.0F : 1.0F;
-  if (exponent == 0x1F) return sign * (mantissa == 0 ? std::numeric_limits<float>::infinity() : std::nanf(""));
-  if (exponent == 0) return sign * std::ldexp(static_cast<float>(mantissa), -24);
-  return sign * std::ldexp(static_cast<float>(mantissa + 1024), exponent - 25);
-}
-
 }  // namespace
 
 const Names* NpyTable::parts_of(std::string_view name, std::size_t count) const {
@@ -39,6 +30,7 @@ const Names* NpyTable::parts_of(std::string_view name, std::size_t count) const 
                                                     "rgb",    "rgba",  "vertex_color", "vertex_colors"};
   const std::string lower = lower_case(name);
   const Names* parts = nullptr;
+  if ((count == 3 || count == 4) && lower == "arr_1") parts = &kColor;  // np.savez(file, points, colors)
   if (count == 3 && std::ranges::find(kPositionArrays, lower) != kPositionArrays.end()) parts = &kPosition;
   if ((count == 3 || count == 4) && std::ranges::find(kColors, lower) != kColors.end()) parts = &kColor;
   const bool is_taken = parts != nullptr && std::ranges::find(names_, (*parts)[0]) != names_.end();
@@ -109,21 +101,51 @@ void NpyTable::add_fields(const NpyArray& array) {
   }
 }
 
+bool NpyTable::add_points_with_color(const NpyArray& array) {
+  constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
+  const NpyField& field = array.header().fields[0];
+  if (field.kind != NpyKind::kNumber || field.type != ScalarType::kFloat32) return false;
+  const std::size_t stride = 4 * field.bytes;
+  const std::byte* const color = array.data() + 3 * field.bytes;
+  const FloatColor kind = float_color({color, stride, field.type, field.order}, points(), check_);
+  if (kind == FloatColor::kNone) return false;
+  for (std::size_t k = 0; k < 3; ++k) add_column(kAxes[k], field, array.data() + k * field.bytes, stride, 1);
+  if (kind == FloatColor::kPacked) {
+    add_column("rgb", field, color, stride, 1);
+    return true;
+  }
+  const bool is_reversed = field.order == std::endian::big;
+  names_.emplace_back(is_reversed ? "bgr" : "rgba");
+  fields_.push_back({names_.back(), ScalarType::kUint8, is_reversed ? 3U : 4U});
+  columns_.push_back({color + (is_reversed ? 1 : 0), stride, ScalarType::kUint8});
+  warnings_.push_back({WarningReason::kOther,
+                       fmt::format("{}: the bits of the fourth numbers are taken as colors, red in the first byte, as "
+                                   "cameras of ZED have them",
+                                   array.name())});
+  return true;
+}
+
 absl::Status NpyTable::add_unnamed(const NpyArray& array) {
   constexpr std::uint64_t kMostColumns = 64;
   const NpyHeader& header = array.header();
   const std::uint64_t count = header.shape.back();
+  if (!array.turned_shape().empty()) {
+    warnings_.push_back(
+        {WarningReason::kOther, fmt::format("{}: its shape is {}; the axis of {} is taken as that of the coordinates",
+                                            array.name(), array.turned_shape(), count)});
+  }
   if (count < 3 || count > kMostColumns) {
-    return absl::InvalidArgumentError(
-        fmt::format("{}: its shape is {}; the last axis must have 3 to {} entries, x, y "
-                    "and z first",
-                    array.name(), shape_text(header), kMostColumns));
+    return absl::InvalidArgumentError(fmt::format(
+        "{}: its shape is {}; the last axis must have 3 to {} entries, x, y and z first; a depth image goes "
+        "into a PNG or PFM for --depth",
+        array.name(), shape_text(header), kMostColumns));
   }
   const NpyField& field = header.fields[0];
   if (field.kind == NpyKind::kOther) {
     return absl::InvalidArgumentError(fmt::format("{}: its elements are no numbers", array.name()));
   }
   const std::size_t first = columns_.size(), stride = static_cast<std::size_t>(count) * field.bytes;
+  if (count == 4 && add_points_with_color(array)) return absl::OkStatus();
   for (std::size_t k = 0; k < count; ++k) add_column("", field, array.data() + k * field.bytes, stride, 1);
   const std::vector<Column> added(columns_.begin() + static_cast<std::ptrdiff_t>(first), columns_.end());
   const std::vector<std::string> names = name_columns(added, points(), check_, warnings_);

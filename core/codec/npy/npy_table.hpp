@@ -22,8 +22,9 @@
 namespace segserve::codec {
 
 /// The names, in lower case, of arrays that have positions, three numbers for each point.
-inline constexpr std::array<std::string_view, 8> kPositionArrays{"points",    "xyz",   "pos",    "position",
-                                                                 "positions", "coord", "coords", "vertices"};
+inline constexpr std::array<std::string_view, 16> kPositionArrays{
+    "points", "xyz", "pos", "position", "positions",   "coord",      "coords", "vertices",
+    "verts",  "pts", "pc",  "pcd",      "point_cloud", "pointcloud", "cloud",  "arr_0"};
 
 /// Collects the columns of a cloud from arrays, which must outlive it.
 class NpyTable {
@@ -54,6 +55,9 @@ class NpyTable {
  private:
   void add_column(std::string name, const NpyField& field, const std::byte* data, std::size_t stride,
                   std::size_t count);
+
+  /// Adds an array of shape (.., 4) whose fourth numbers are colors by their bits; else returns false.
+  bool add_points_with_color(const NpyArray& array);
 
   /// The names of the columns of an array of this name, in any case, with so many numbers for each point; null if it
   /// is one value, or if there are columns of these names.

@@ -68,14 +68,34 @@ struct Archive {
   }
 };
 
+/// What a zip archive of other programs is by its members; empty if that is not known.
+std::string_view maker_of(const std::vector<ZipMember>& members) {
+  struct Kind {
+    std::string_view end, name;
+  };
+  constexpr std::array<Kind, 6> kKinds{{{"/data.pkl", "a file of PyTorch, a zip archive"},
+                                        {"xl/workbook.xml", "a file of Excel, a zip archive"},
+                                        {".usdc", "USDZ, a zip archive"},
+                                        {".usda", "USDZ, a zip archive"},
+                                        {".kml", "KMZ, a zip archive"},
+                                        {"/.zarray", "Zarr, a zip archive"}}};
+  for (const Kind& kind : kKinds) {
+    const auto is_of_kind = [&kind](const ZipMember& member) { return member.name.ends_with(kind.end); };
+    if (std::ranges::any_of(members, is_of_kind)) return kind.name;
+  }
+  return {};
+}
+
 absl::Status no_arrays(const std::vector<ZipMember>& members) {
   constexpr std::size_t kMostNamed = 3;
   std::vector<std::string> names;
   for (std::size_t i = 0; i < std::min(members.size(), kMostNamed); ++i) names.push_back(quoted(members[i].name));
   if (members.size() > kMostNamed) names.emplace_back("..");
-  return absl::InvalidArgumentError(
-      fmt::format("this is a zip archive without an array of NumPy (.npy) in it; unpack it first; it has {}",
-                  names.empty() ? "no files" : fmt::format("{}", fmt::join(names, ", "))));
+  const std::string_view made_by = maker_of(members);
+  return absl::InvalidArgumentError(fmt::format(
+      "this is {} without an array of NumPy (.npy) in it; {}; it has {}", made_by.empty() ? "a zip archive" : made_by,
+      made_by.empty() ? "unpack it first" : "save the points as PLY, CSV or NPY in the program that made it",
+      names.empty() ? "no files" : fmt::format("{}", fmt::join(names, ", "))));
 }
 
 absl::StatusOr<Archive> open_archive(std::span<const std::byte> file, const DecodeLimits& limits, StopCheck& check,
@@ -104,6 +124,7 @@ absl::StatusOr<Archive> open_archive(std::span<const std::byte> file, const Deco
       continue;
     }
     RETURN_IF_ERROR(array.status());
+    RETURN_IF_ERROR(array->put_channels_last(check));
     archive.arrays.push_back(*std::move(array));
   }
   if (archive.arrays.empty() && archive.unopened.empty()) return no_arrays(members);
@@ -122,8 +143,27 @@ absl::Status pass_over_unopened(const Archive& archive, std::vector<Warning>& wa
   return absl::OkStatus();
 }
 
+/// The only array that can have the positions by its shape and type; null if there is none, or another one.
+const NpyArray* only_candidate(const Archive& archive) {
+  constexpr std::uint64_t kFewestPoints = 16, kMostColumns = 64;
+  const NpyArray* found = nullptr;
+  for (const NpyArray& array : archive.arrays) {
+    const NpyHeader& header = array.header();
+    const NpyField& field = header.fields[0];
+    const bool are_floats = field.kind == NpyKind::kHalf || (field.kind == NpyKind::kNumber && is_float(field.type));
+    const bool has_shape = header.shape.size() >= 2 && header.shape.size() <= 3 && header.shape.back() >= 3 &&
+                           header.shape.back() <= kMostColumns &&
+                           header.elements() / header.shape.back() >= kFewestPoints;
+    if (header.is_structured || !are_floats || !has_shape) continue;
+    if (found != nullptr) return nullptr;
+    found = &array;
+  }
+  return found;
+}
+
 /// Adds the positions of the points, and returns the names of the arrays that have them.
-absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTable& points) {
+absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTable& points,
+                                                   std::vector<Warning>& warnings) {
   for (const std::string_view name : kPositionArrays) {
     const NpyArray* const array = archive.find(name);
     if (array == nullptr || array->header().is_structured) continue;
@@ -132,6 +172,17 @@ absl::StatusOr<std::set<std::string>> add_position(const Archive& archive, NpyTa
     return std::set<std::string>{array->name()};
   }
   const std::array<const NpyArray*, 3> axes{archive.find("x"), archive.find("y"), archive.find("z")};
+  if (std::ranges::count(axes, nullptr) == 3) {
+    if (const NpyArray* const only = only_candidate(archive)) {
+      warnings.push_back(
+          {WarningReason::kOther, fmt::format("the array {} is taken as the points, because it is the only "
+                                              "one with three floats or more for each",
+                                              quoted(only->name()))});
+      RETURN_IF_ERROR(points.set_shape(*only, 1));
+      RETURN_IF_ERROR(points.add_unnamed(*only));
+      return std::set<std::string>{only->name()};
+    }
+  }
   if (std::ranges::count(axes, nullptr) > 0) {
     return absl::InvalidArgumentError(
         fmt::format("NPZ archive: there must be an array 'points' or 'xyz', or arrays 'x', 'y' and 'z'; it has {}",
@@ -177,7 +228,7 @@ absl::StatusOr<LabeledCloud> decode_npz(std::span<const std::byte> bytes, const 
   RETURN_IF_ERROR(pass_over_unopened(archive, warnings));
   if (archive.arrays.size() == 1) return read_array(archive.arrays[0], warnings, limits, options, stop);
   NpyTable points(limits, check, warnings);
-  ASSIGN_OR_RETURN(const auto used, add_position(archive, points));
+  ASSIGN_OR_RETURN(const auto used, add_position(archive, points, warnings));
   add_others(archive, used, points, warnings);
   RETURN_IF_ERROR(check.status());
   return read_table(points, warnings, options, stop);

@@ -46,6 +46,41 @@ TEST(Npy, ColumnsAndShapesHaveMeaning) {
   EXPECT_EQ(read(npy_file("'<f4'", "(0, 3)", "")).cloud.size(), 0U);
 }
 
+TEST(Npy, CoordinatesInTheFirstAxisAreFound) {
+  std::vector<float> planes;
+  for (int k = 0; k < 6; ++k) {
+    for (int i = 0; i < 100; ++i) planes.push_back(static_cast<float>(k < 3 ? 100 * k + i : 40 * k));
+  }
+  for (const char* shape : {"(6, 100)", "(1, 6, 100)", "(6, 1, 100)"}) {
+    const LabeledCloud cloud = read(npy_file("'<f4'", shape, raw(planes)));
+    ASSERT_EQ(cloud.cloud.size(), 100U) << shape;
+    EXPECT_EQ(cloud.cloud.y[7], 107) << shape;
+    EXPECT_EQ(cloud.cloud.rgb[7], pack_rgb(120, 160, 200)) << shape;
+    ASSERT_EQ(cloud.warnings.size(), 1U);
+    EXPECT_THAT(cloud.warnings[0].message, HasSubstr(std::string("its shape is ") + shape + "; the axis of 6"));
+  }
+  EXPECT_THAT(
+      std::string(
+          decode_cloud(bytes_of(npy_file("'<u2'", "(10, 100)", std::string(2000, '\1'))), {}).status().message()),
+      HasSubstr("a depth image goes into a PNG or PFM for --depth"));
+}
+
+TEST(Npy, FourthNumbersMayBeColorsByTheirBits) {
+  const auto points = [](std::uint32_t first, std::uint32_t second) {
+    std::string bytes = raw<float>({1, 2, 3}) + raw<std::uint32_t>({first});
+    return npy_file("'<f4'", "(2, 4)", bytes + raw<float>({4, 5, 6}) + raw<std::uint32_t>({second}));
+  };
+  const LabeledCloud zed = read(points(0xFF466E96, 0xFFC83C28));
+  EXPECT_THAT(zed.cloud.rgb, ElementsAre(0x966E46U, 0x283CC8U));
+  EXPECT_THAT(zed.cloud.x, ElementsAre(1, 4));
+  EXPECT_EQ(zed.warnings.size(), 1U);
+  EXPECT_THAT(read(points(0x00966E46, 0x00283CC8)).cloud.rgb, ElementsAre(0x966E46U, 0x283CC8U));
+  for (const auto& [first, second] : std::vector<std::pair<std::uint32_t, std::uint32_t>>{
+           {0x3F800000, 0x00283CC8}, {0, 0}, {0x7FC00000, 0x7FC00000}, {0x3F800000, 0x40000000}}) {
+    EXPECT_FALSE(read(points(first, second)).cloud.has_color()) << first << " " << second;
+  }
+}
+
 TEST(Npy, NamedFieldsAreRead) {
   const std::string type =
       "[(('segserve view world 1 2 3', 'x'), '<f8'), ('y', '<f4'), ('z', '>f4'), ('', '|V2'), ('rgb', '|u1', (3,)), "

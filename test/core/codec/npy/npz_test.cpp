@@ -57,6 +57,40 @@ LabeledCloud read_archive(const std::string& file) {
   return cloud.ok() ? *std::move(cloud) : LabeledCloud{};
 }
 
+TEST(Npz, PointsHaveManyNames) {
+  std::vector<float> values;
+  for (int i = 0; i < 60; ++i) values.push_back(static_cast<float>(i));
+  const std::string points = npy_file("'<f4'", "(20, 3)", raw(values));
+  const std::string colors = npy_file("'|u1'", "(20, 3)", std::string(60, '\7'));
+  struct Case {
+    const char *points, *colors;
+    std::size_t warnings;
+  };
+  for (const Case& c : std::vector<Case>{{"pc", "rgb", 0},
+                                         {"point_cloud", "colors", 0},
+                                         {"verts", "colors", 0},
+                                         {"arr_0", "arr_1", 0},
+                                         {"lidar", "rgb", 1},
+                                         {"xyz_world", "rgb", 1}}) {
+    const LabeledCloud cloud =
+        read_archive(zip({{std::string(c.points) + ".npy", points}, {std::string(c.colors) + ".npy", colors}}, false));
+    ASSERT_EQ(cloud.cloud.size(), 20U) << c.points;
+    EXPECT_EQ(cloud.cloud.z[19], 59) << c.points;
+    EXPECT_EQ(cloud.cloud.has_color() ? cloud.cloud.rgb[0] : 0, 0x070707U) << c.points;
+    EXPECT_EQ(cloud.warnings.size(), c.warnings) << c.points;
+  }
+  const auto ambiguous = decode_cloud(bytes_of(zip({{"a.npy", points}, {"b.npy", points}}, false)), {});
+  EXPECT_THAT(std::string(ambiguous.status().message()), HasSubstr("there must be an array 'points'"));
+}
+
+TEST(Npz, ArchivesOfOtherProgramsAreNamed) {
+  for (const auto& [member, name] : std::vector<std::pair<std::string, std::string>>{
+           {"archive/data.pkl", "PyTorch"}, {"xl/workbook.xml", "Excel"}, {"a.usdc", "USDZ"}, {"doc.kml", "KMZ"}}) {
+    const auto read = decode_cloud(bytes_of(zip({{member, "x"}}, false)), {});
+    EXPECT_THAT(std::string(read.status().message()), HasSubstr(name));
+  }
+}
+
 TEST(Npz, ArraysAreFoundByTheirNames) {
   for (const bool deflate_them : {false, true}) {
     const LabeledCloud cloud = read_archive(zip(sample_members(), deflate_them));
