@@ -37,7 +37,7 @@ absl::StatusOr<std::string> read_image(const std::string& path, Convert convert)
 }  // namespace
 
 void RgbdFlags::add_to(CLI::App& app) {
-  app.add_option("--depth", depth_path_, "instead of SCENE: an RGB-D camera's depth image, PNG, PGM, TIFF or PFM")
+  app.add_option("--depth", depth_path_, "instead of SCENE: an RGB-D camera's depth image, PNG, PGM, TIFF, PFM or NPY")
       ->type_name("IMAGE")
       ->group(kGroup);
   app.add_option("--rgb", color_path_, "the color image, PNG, JPEG, PPM or TIFF, aligned with the depth")

@@ -12,7 +12,7 @@ struct Entry {
   std::string_view name;
 };
 
-constexpr std::array<Entry, 14> kReasons{{
+constexpr std::array<Entry, 16> kReasons{{
     {WarningReason::kColorNotUsed, "COLOR_NOT_USED"},
     {WarningReason::kLabelNotUsed, "LABEL_NOT_USED"},
     {WarningReason::kRowsNotUsed, "ROWS_NOT_USED"},
@@ -26,6 +26,8 @@ constexpr std::array<Entry, 14> kReasons{{
     {WarningReason::kColorMissing, "COLOR_MISSING"},
     {WarningReason::kCoordinatesRounded, "COORDINATES_ROUNDED"},
     {WarningReason::kPresetNotFit, "PRESET_NOT_FIT"},
+    {WarningReason::kIntrinsicsUnlikely, "INTRINSICS_UNLIKELY"},
+    {WarningReason::kScaleNotUsed, "SCALE_NOT_USED"},
     {WarningReason::kOther, "OTHER"},
 }};
 

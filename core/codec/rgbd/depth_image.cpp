@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "core/codec/rgbd/depth_image.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "core/base/status_macros.hpp"
+#include "core/codec/file/known_formats.hpp"
+#include "core/codec/npy/npy_header.hpp"
 #include "core/codec/rgbd/jpeg_image.hpp"
+#include "core/codec/rgbd/npy_depth.hpp"
 #include "core/codec/rgbd/png_image.hpp"
 #include "core/codec/rgbd/pnm_image.hpp"
 #include "segserve/codec/rgbd.hpp"
@@ -31,7 +36,11 @@ absl::Status unknown_format(std::string_view bytes) {
   if (is_tiff(bytes)) {
     return absl::InvalidArgumentError("TIFF is not read here, only by segctl; send a PNG, PGM or PFM file");
   }
-  return absl::InvalidArgumentError("the bytes are neither PNG nor PGM nor PFM");
+  if (const std::string_view name = format_name(bytes); !name.empty()) {
+    return absl::InvalidArgumentError(
+        fmt::format("this is {}, which is not read as depth; a PNG of 16 bits, PGM, PFM or NPY is", name));
+  }
+  return absl::InvalidArgumentError("the bytes are neither PNG nor PGM nor PFM nor NPY");
 }
 
 }  // namespace
@@ -41,15 +50,17 @@ absl::StatusOr<DepthFormat> depth_format(std::string_view depth) {
     ASSIGN_OR_RETURN(const ImageSize size, png_size(depth));
     return DepthFormat{.width = size.width, .height = size.height};
   }
+  if (is_npy(depth)) return npy_depth_format(depth);
   if (!is_pnm(depth)) return unknown_format(depth);
   ASSIGN_OR_RETURN(const PnmHeader header, read_pnm_header(depth));
-  return DepthFormat{header.size.width, header.size.height, header.kind == PnmKind::kFloat};
+  return DepthFormat{header.size.width, header.size.height, header.kind == PnmKind::kFloat, header.scale};
 }
 
 absl::StatusOr<DepthImage> decode_depth(std::string_view bytes, const DecodeLimits& limits, StopCheck& check) {
   ASSIGN_OR_RETURN(const DepthFormat format, depth_format(bytes));
   RETURN_IF_ERROR(check_image_size({format.width, format.height}, kPointBytes, limits));
   if (is_png(bytes)) return decode_png_depth(bytes, limits, check);
+  if (is_npy(bytes)) return decode_npy_depth(bytes, limits, check);
   if (format.floats) return decode_pfm(bytes, limits, check);
   return decode_pgm_depth(bytes, limits, check);
 }

@@ -72,6 +72,7 @@ absl::Status read_range(std::string_view word, PnmHeader& header) {
         scale == 0) {
       return fault(fmt::format("{} is not the scale of a PFM", quoted(word)));
     }
+    header.scale = std::abs(scale);
     header.order = scale < 0 ? std::endian::little : std::endian::big;
     return absl::OkStatus();
   }

@@ -22,6 +22,7 @@ struct PnmHeader {
   PnmKind kind = PnmKind::kGray;
   ImageSize size;
   std::uint32_t max_value = 0;           ///< the number of full brightness, 1 to 65535; 0 for floats
+  double scale = 1;                      ///< the amount of the scale of floats
   std::endian order = std::endian::big;  ///< of the pixels' bytes
   std::size_t offset = 0;                ///< of the pixels
 };
@@ -35,7 +36,7 @@ absl::StatusOr<PnmHeader> read_pnm_header(std::string_view bytes);
 /// Decodes a PGM. INVALID_ARGUMENT for other kinds, and if its largest value is below 256, as in pictures.
 absl::StatusOr<GrayImage> decode_pgm_depth(std::string_view bytes, const DecodeLimits& limits, StopCheck& check);
 
-/// Decodes a gray PFM. Its bottom row stands first. The amount of its scale is not used: programs disagree about it.
+/// Decodes a gray PFM. Its bottom row stands first. The amount of its scale is not used.
 absl::StatusOr<FloatImage> decode_pfm(std::string_view bytes, const DecodeLimits& limits, StopCheck& check);
 
 /// Decodes a PGM or PPM to 8 bits a channel.

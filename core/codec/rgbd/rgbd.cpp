@@ -12,8 +12,10 @@
 #include "core/base/status_macros.hpp"
 #include "core/base/status_text.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/file/known_formats.hpp"
 #include "core/codec/rgbd/color_mapping.hpp"
 #include "core/codec/rgbd/depth_image.hpp"
+#include "core/codec/rgbd/intrinsics_check.hpp"
 #include "core/codec/rgbd/jpeg_image.hpp"
 #include "core/codec/rgbd/png_image.hpp"
 #include "core/codec/rgbd/pnm_image.hpp"
@@ -74,11 +76,28 @@ void warn_of(const OddDepths& odd, std::uint64_t pixels, std::vector<Warning>& w
   warn(odd.negative, "negative");
 }
 
+/// Warns of a scale in the depth image that may be what was meant.
+absl::Status warn_of_scale(const RgbdImages& images, std::vector<Warning>& warnings) {
+  ASSIGN_OR_RETURN(const DepthFormat format, depth_format(images.depth));
+  if (format.header_scale == 1 || format.header_scale == images.depth_scale) return absl::OkStatus();
+  warnings.push_back(
+      {WarningReason::kScaleNotUsed,
+       fmt::format("depth: the scale {:.6g} in the header of the PFM is not used, because programs disagree "
+                   "about it; a unit of depth is taken as {:.6g} m",
+                   format.header_scale, images.depth_scale)});
+  return absl::OkStatus();
+}
+
 absl::StatusOr<ColorImage> decode_color(std::string_view bytes, const DecodeLimits& limits, StopCheck& check,
                                         std::vector<Warning>& warnings) {
   if (is_png(bytes)) return decode_png_color(bytes, limits, check);
   if (is_pnm(bytes)) return decode_pnm_color(bytes, limits, check);
-  if (!is_jpeg(bytes)) return absl::InvalidArgumentError("the bytes are neither PNG nor JPEG nor PPM");
+  if (!is_jpeg(bytes)) {
+    const std::string_view name = format_name(bytes);
+    if (name.empty()) return absl::InvalidArgumentError("the bytes are neither PNG nor JPEG nor PPM");
+    return absl::InvalidArgumentError(
+        fmt::format("this is {}, which is not read as color; PNG, JPEG and PPM are", name));
+  }
   ASSIGN_OR_RETURN(JpegImage jpeg, decode_jpeg(bytes, limits, check));
   if (!jpeg.damage.empty()) {
     warnings.push_back({WarningReason::kImageDamaged, fmt::format("color: the JPEG is damaged: {}", jpeg.damage)});
@@ -116,6 +135,10 @@ absl::Status add_color(const RgbdImages& images, const DecodeLimits& limits, Sto
     result.warnings.push_back(
         {WarningReason::kColorMissing,
          fmt::format("color: the image does not show {} of {} points; they are black", missing, result.cloud.size())});
+  }
+  if (!images.color_intrinsics) return check.status();
+  if (auto odd = odd_intrinsics("color", *images.color_intrinsics, image.size)) {
+    result.warnings.push_back(*std::move(odd));
   }
   return check.status();
 }
@@ -165,6 +188,10 @@ absl::StatusOr<LabeledCloud> decode_rgbd(const RgbdImages& images, const DecodeL
   result.cloud = std::visit(
       [&](const auto& image) { return to_cloud(image, images.depth_scale, images.intrinsics, odd, check); }, *depth);
   RETURN_IF_ERROR(check.status());
+  RETURN_IF_ERROR(warn_of_scale(images, result.warnings));
+  if (auto unlikely = odd_intrinsics("depth", images.intrinsics, size_of(*depth))) {
+    result.warnings.push_back(*std::move(unlikely));
+  }
   warn_of(odd, size_of(*depth).pixels(), result.warnings);
   if (!images.color.empty()) RETURN_IF_ERROR(named("color", add_color(images, limits, check, result)));
   return result;

@@ -34,8 +34,11 @@ absl::Status check_depth_scale(double depth_scale);
 struct RgbdImages {
   /// The depth along the camera's z axis, in one of these formats:
   /// - PNG, gray with 16 bits, or PGM (P2, P5) with a largest value above 255. 0 and 65535 mean that there is no point.
-  /// - PFM, gray (Pf). Numbers that are not finite or not above 0 mean that there is no point.
-  /// Readers of other formats, such as TIFF, have known faults with hostile bytes; segctl turns TIFF into these.
+  /// - PFM, gray (Pf). Numbers that are not finite or not above 0 mean that there is no point. The amount of the scale
+  /// in
+  ///   its header is not used, because programs disagree about what it means.
+  /// - NPY, an array (H, W) of uint16, which means what it does in a PNG, or of floats, which mean what they do in a
+  /// PFM. Readers of other formats, such as TIFF, have known faults with hostile bytes; segctl turns TIFF into these.
   std::string_view depth;
   /// The color as seen from the place of the depth image: PNG of any kind, JPEG (gray, color, CMYK), PGM or PPM. Empty
   /// if there is no color.
@@ -51,6 +54,7 @@ struct DepthFormat {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   bool floats = false;  ///< whether its pixels are floats, mostly meters; otherwise 16-bit integers, mostly millimeters
+  double header_scale = 1;  ///< the amount of the scale in the header of a PFM, which decode_rgbd does not use
 
   /// The scale of the images that most programs write: 1 for floats, 0.001 for integers.
   double usual_scale() const { return floats ? 1 : 0.001; }
@@ -74,7 +78,8 @@ absl::StatusOr<DepthFormat> depth_format(std::string_view depth);
 /// image, if they are unset: u' + 1/2 = (u + 1/2) * width' / width. Points that the color image does not show are
 /// black.
 ///
-/// Warnings tell of damaged images, of pixels that are 65535 or negative, and of points without color.
+/// Warnings tell of damaged images, of pixels that are 65535 or negative, of points without color, of intrinsics that
+/// hardly fit the size of their image, and of a PFM whose header has a scale other than 1 and `depth_scale`.
 ///
 /// INVALID_ARGUMENT that names a wrong number of the camera, or the image ("depth: .." or "color: ..") and its fault,
 /// wrong size or exceeded limit. If `color_intrinsics` is unset, color images of other proportions than the depth image

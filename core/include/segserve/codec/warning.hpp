@@ -23,8 +23,10 @@ enum class WarningReason : std::uint8_t {
   kColorMissing,      ///< points that the color image does not show
   /// coordinates so far from 0 that floats of 32 bits, which the file has, are coarse beside the distance of the points
   kCoordinatesRounded,
-  kPresetNotFit,  ///< the cloud is not of the kind that the preset says
-  kOther,  ///< a reason that this version does not know
+  kPresetNotFit,        ///< the preset has no effect on the cloud
+  kIntrinsicsUnlikely,  ///< intrinsics of a camera can hardly be those of the image
+  kScaleNotUsed,        ///< the scale that the header of a depth image tells
+  kOther,               ///< a reason that this version does not know
 };
 
 /// "COLOR_NOT_USED" and so on, for programs.

@@ -14,6 +14,7 @@
 #include "segserve/codec/rgbd_encode.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
 #include "test/core/codec/support/image_files.hpp"
+#include "test/core/codec/support/npy_file.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
 
 namespace segserve::codec {
@@ -149,7 +150,7 @@ TEST(Rgbd, TheFormatOfADepthImageIsToldFromItsFirstBytes) {
   ASSERT_TRUE(pfm.ok());
   EXPECT_EQ(pfm->width, 4U);
   EXPECT_EQ(pfm->usual_scale(), 1);
-  expect_fault(depth_format("GIF89a").status(), "the bytes are neither PNG nor PGM nor PFM");
+  expect_fault(depth_format("nonsense").status(), "the bytes are neither PNG nor PGM nor PFM");
 }
 
 /// A color image whose pixel (u, v) is (u, v, 7).
@@ -221,8 +222,100 @@ TEST(Rgbd, ADamagedJpegIsUsedWithAWarning) {
   EXPECT_THAT(decoded->warnings[0].message, testing::HasSubstr("color: the JPEG is damaged: "));
 }
 
+/// The warnings of an empty depth image of this size.
+std::vector<Warning> warnings_for(const Intrinsics& camera, const ImageSize& size) {
+  const std::string depth = encode_png_gray16(size, depth_of(size)).value();
+  return decode_rgbd({depth, "", 0.001, camera}, {}).value().warnings;
+}
+
+TEST(Rgbd, IntrinsicsThatHardlyFitTheImageAreMentioned) {
+  struct Case {
+    Intrinsics camera;
+    const char* message;
+  };
+  for (const Case& c : std::vector<Case>{
+           {{640, 640, 319.5, 239.5}, "lies outside; they look like those of an image of 640 x 480"},
+           {{131, 131, 39.5, 29.5}, "is far from the middle; they look like those of an image of 80 x 60"},
+           {{131, 131, 500, 59.5}, "the principal point (500, 59.5) lies outside"},
+           {{131, 131, 79.5, -3}, "the principal point (79.5, -3) lies outside"},
+           {{131, 131, 20, 59.5}, "the principal point (20, 59.5) is far from the middle"},
+           {{20, 20, 79.5, 59.5}, "mean a field of view of 152 x 143 degrees"},
+           {{5000, 5000, 79.5, 59.5}, "mean a field of view of 1.83 x 1.38 degrees"},
+           {{131, 79.5, 85, 59.5}, "differ much; the order is fx, fy, cx, cy"},
+       }) {
+    const std::vector<Warning> warnings = warnings_for(c.camera, {160, 120});
+    ASSERT_EQ(warnings.size(), 1U) << c.message;
+    EXPECT_EQ(warnings[0].reason, WarningReason::kIntrinsicsUnlikely);
+    EXPECT_THAT(warnings[0].message, testing::HasSubstr("depth: the intrinsics hardly fit an image of 160 x 120"));
+    EXPECT_THAT(warnings[0].message, testing::HasSubstr(c.message));
+  }
+  for (const Intrinsics& camera : std::vector<Intrinsics>{
+           {131, 131, 79.5, 59.5}, {131, 130, 84, 55}, {40, 40, 80, 60}, {1500, 1500, 70, 60}, {131, 111, 95, 51}}) {
+    EXPECT_TRUE(warnings_for(camera, {160, 120}).empty()) << camera.fx << " " << camera.cx;
+  }
+}
+
+TEST(Rgbd, TheScaleOfAPfmIsMentioned) {
+  struct Case {
+    const char* scale;
+    double depth_scale;
+    bool is_told;
+  };
+  for (const Case& c : std::vector<Case>{{"-1.0", 0.001, false},
+                                         {"-0.001", 0.001, false},
+                                         {"-0.001", 1, true},
+                                         {"-1000", 1, true},
+                                         {"1", 1, false}}) {
+    const std::string depth = std::string("Pf 1 1 ") + c.scale + " " + std::string(4, '\0');
+    const auto decoded = decode_rgbd({depth, "", c.depth_scale, {1, 1, 0, 0}}, {});
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    ASSERT_EQ(decoded->warnings.size(), c.is_told ? 1U : 0U) << c.scale;
+    if (!c.is_told) continue;
+    EXPECT_EQ(decoded->warnings[0].reason, WarningReason::kScaleNotUsed);
+    EXPECT_THAT(decoded->warnings[0].message, testing::HasSubstr("a unit of depth is taken as 1 m"));
+  }
+}
+
+TEST(Rgbd, DepthMayBeAnArrayOfNumPy) {
+  const std::vector<double> meters{1, 2, 0.5, NAN, 3, 4};
+  struct Case {
+    std::string type, shape, bytes;
+    double scale;
+  };
+  const std::vector<float> singles(meters.begin(), meters.end());
+  for (const Case& c : std::vector<Case>{
+           {"'<u2'", "(2, 3)", raw<std::uint16_t>({1000, 2000, 500, 0, 3000, 4000}), 0.001},
+           {"'>u2'", "(2, 3, 1)", std::string("\x03\xe8\x07\xd0\x01\xf4\0\0\x0b\xb8\x0f\xa0", 12), 0.001},
+           {"'<f8'", "(1, 2, 3)", raw(meters), 1},
+           {"'<f4'", "(2, 3)", raw(singles), 1},
+           {"'<f2'", "(2, 3)", raw<std::uint16_t>({0x3C00, 0x4000, 0x3800, 0x7E00, 0x4200, 0x4400}), 1}}) {
+    const std::string file = npy_file(c.type, c.shape, c.bytes);
+    const auto format = depth_format(file);
+    ASSERT_TRUE(format.ok()) << format.status();
+    EXPECT_EQ(format->width, 3U);
+    EXPECT_EQ(format->usual_scale(), c.scale) << c.type;
+    const auto decoded = decode_rgbd({file, "", c.scale, kCamera}, {});
+    ASSERT_TRUE(decoded.ok()) << decoded.status();
+    for (std::size_t i = 0; i < 6; ++i) {
+      if (i != 3) EXPECT_FLOAT_EQ(decoded->cloud.z[i], static_cast<float>(meters[i])) << c.type;
+    }
+    EXPECT_TRUE(std::isnan(decoded->cloud.z[3])) << c.type;
+  }
+  const auto refused = [](const std::string& file) { return decode_rgbd({file, "", 1, kCamera}, {}).status(); };
+  expect_fault(refused(npy_file("'<f4'", "(2, 3, 3)", std::string(72, '\0'))), "depth: NPY: its shape is (2, 3, 3)");
+  expect_fault(refused(npy_file("'<i4'", "(2, 3)", std::string(24, '\0'))), "depth must be floats, or integers of 16");
+  expect_fault(refused(npy_file("'<f4'", "(2, 3)", "")), "depth: NPY: its shape (2, 3) needs 24 bytes");
+  expect_over_limit(decode_rgbd({npy_file("'<f4'", "(20000, 20000)", ""), "", 1, kCamera}, {}).status(), "max_points",
+                    "depth: 20000 x 20000 pixels exceed the limit");
+}
+
+TEST(Rgbd, ImagesOfOtherFormatsAreNamed) {
+  expect_fault(decode(std::string("\x76\x2f\x31\x01\2\0\0\0", 8), "").status(), "depth: this is an OpenEXR image");
+  expect_fault(decode(depth_png(), std::string("RIFF\x24\0\0\0WEBPVP8 ", 16)).status(), "color: this is a WebP image");
+}
+
 TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
-  expect_fault(decode("", color_png()).status(), "depth: the bytes are neither PNG nor PGM nor PFM");
+  expect_fault(decode("", color_png()).status(), "depth: the bytes are neither PNG nor PGM nor PFM nor NPY");
   expect_fault(decode(color_png(), color_png()).status(),
                "depth: PNG: it is a color image with 8 bits, but depth must be gray with 16 bits and without alpha");
   const std::vector<std::uint16_t> four(4, 1);
@@ -232,7 +325,7 @@ TEST(Rgbd, FaultsNameTheImageAndTheNumbers) {
                "depth: PNG: it is a gray image with an alpha channel with 16 bits");
   expect_fault(decode(encode_jpeg(colors_of({10, 7}), 90).value(), "").status(), "depth: a JPEG cannot hold depth");
   expect_fault(decode(std::string("II*\0", 4), "").status(), "depth: TIFF is not read here, only by segctl");
-  expect_fault(decode(depth_png(), "GIF89a").status(), "color: the bytes are neither PNG nor JPEG nor PPM");
+  expect_fault(decode(depth_png(), "nonsense").status(), "color: the bytes are neither PNG nor JPEG nor PPM");
   const std::string depth = depth_png();
   expect_fault(decode_rgbd({depth, "", 0.001, {.fx = 0, .fy = NAN, .cx = INFINITY, .cy = 0}}, {}).status(),
                "fx is 0, which is not a finite number above 0; fy is nan, which is not a finite number above 0; "
