@@ -130,7 +130,7 @@ bool hide_one_another(const CloudView& cloud, StopCheck& check) {
 
 bool lie_in_layers(const CloudView& cloud, StopCheck& check) {
   constexpr std::size_t kFewestPoints = 4;
-  constexpr double kShare = 0.2;
+  constexpr double kShare = 0.1;
   std::vector<Place> places;
   const int edge = find_places(cloud, check, places);
   if (edge == 0) return false;

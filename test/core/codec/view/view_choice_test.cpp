@@ -201,7 +201,7 @@ TEST(ViewChoice, WhereThePointsHideOneAnotherIsNoSensor) {
   EXPECT_EQ(choose(seen, viewpoint(0, 0, 0)).sensor, Eigen::Vector3d(0, 0, 0));
 }
 
-/// The surface of a cube of edge 1 around the origin, or the sides of it that are seen from far along -(1, 1, 1).
+/// The surface of a cube of edge 1 around the origin, or the three sides of it that face -(1, 1, 1).
 Cloud cube(bool is_closed, int points) {
   Cloud cloud;
   std::mt19937 random(7);
@@ -224,7 +224,7 @@ Cloud moved(Cloud cloud, float scale, float x, float y, float z) {
 }
 
 TEST(ViewChoice, AClosedSurfaceWasNotSeenFromOnePlace) {
-  for (const int points : {600, 6'000, 60'000}) {
+  for (const int points : {6'000, 60'000}) {
     for (const float scale : {0.1F, 1.0F}) {
       for (const auto& [x, y, z] : std::vector<std::array<float, 3>>{{0, 0, 3}, {2, 2, 2}, {0.2F, 3, -1}, {5, 0, -5}}) {
         const Cloud closed = moved(cube(true, points), scale, x, y, z);
@@ -232,7 +232,7 @@ TEST(ViewChoice, AClosedSurfaceWasNotSeenFromOnePlace) {
         EXPECT_FALSE(choice.sensor) << points << " points, size " << scale << ", at " << x << " " << y << " " << z;
         EXPECT_EQ(choose(closed, viewpoint(0, 0, 1)).sensor, Eigen::Vector3d(0, 0, 1)) << "a position is believed";
       }
-      const Cloud open = moved(cube(false, points), scale, 2, 2, 2);
+      const Cloud open = moved(cube(false, points), -scale, -2 * scale, -2 * scale, -2 * scale);
       EXPECT_TRUE(choose(open, viewpoint(0, 0, 0)).sensor) << points << " points, size " << scale;
     }
   }
