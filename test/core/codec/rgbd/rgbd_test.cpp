@@ -296,8 +296,8 @@ TEST(Rgbd, DepthMayBeAnArrayOfNumPy) {
     EXPECT_EQ(format->usual_scale(), c.scale) << c.type;
     const auto decoded = decode_rgbd({file, "", c.scale, kCamera}, {});
     ASSERT_TRUE(decoded.ok()) << decoded.status();
-    for (std::size_t i = 0; i < 6; ++i) {
-      if (i != 3) EXPECT_FLOAT_EQ(decoded->cloud.z[i], static_cast<float>(meters[i])) << c.type;
+    for (const std::size_t i : {0U, 1U, 2U, 4U, 5U}) {
+      EXPECT_FLOAT_EQ(decoded->cloud.z[i], static_cast<float>(meters[i])) << c.type;
     }
     EXPECT_TRUE(std::isnan(decoded->cloud.z[3])) << c.type;
   }
