@@ -125,14 +125,14 @@ class Summary(EndToEnd):
             self.assertGreater(told["timings_ms"]["total"], 0)
 
     def test_a_preset_says_what_kind_of_cloud_it_is(self):
-        sweep, table = self.synth("--lidar", "32", "--street"), self.path("sweep.xyz")
+        sweep, table = self.synth("--lidar", "32", "--street", name="sweep.pcd"), self.path("sweep.xyz")
         fields, body = pcd.read_binary(sweep)
         points = struct.iter_unpack("<3f" + "4x" * (len(fields) - 3), body)
         table.write_text("".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in points))  # tells of no sensor
         for where in (("--local",), ("--server", self.server.address)):
             labels, told = self._segment(table, "--preset", "lidar", *where)
             self.assertEqual((told["resolution"]["reason"], told["warnings"]), ("sweep", []))
-            self.assertEqual(labels, self._segment(sweep, *where)[0])
+            self.assertTrue(labels == self._segment(sweep, *where)[0])
             _, told = self._segment(self.synth(*SMALL), "--view", "world", "--preset", "tabletop", *where)
             self.assertEqual((told["view"], told["view_rule"]), ("camera", "preset tabletop"))
             _, told = self._segment(self.synth(*SMALL), "--preset", "room", *where)
