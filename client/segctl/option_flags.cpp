@@ -59,7 +59,8 @@ void OptionFlags::add_to(CLI::App& app) {
                              name(Options{}.method)))
       ->type_name("NAME")
       ->group("Segmentation");
-  app.add_option("--preset", preset_, fmt::format("what kind of cloud it is: {}; default auto, the cloud tells", preset_names()))
+  app.add_option("--preset", preset_,
+                 fmt::format("what kind of cloud it is: {}; default auto, the cloud tells", preset_names()))
       ->type_name("NAME")
       ->group("Segmentation");
   flags_.resize(option_table().size());  // No reallocation may follow: the parser keeps addresses of the flags.

@@ -172,7 +172,8 @@ absl::Status orient_as_seen(const FrameContext& frame, const VoxelGrid& grid, co
   Propagation propagation(adjacency, std::vector<bool>(normals.size(), false), check, normals);
   propagation.orient_the_rest([&](const std::vector<std::uint32_t>& component) {
     const Vec3 sum = sum_of(normals, component, check);
-    return is_closed(component, sum) ? faces_where_it_is_seen(grid, frame.options.preset, normals, component, check) : points_upwards(sum);
+    return is_closed(component, sum) ? faces_where_it_is_seen(grid, frame.options.preset, normals, component, check)
+                                     : points_upwards(sum);
   });
   return check.status();
 }

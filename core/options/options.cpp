@@ -126,8 +126,9 @@ void check_preset(const Options& options, std::vector<FieldViolation>& faults) {
     faults.push_back({"preset", fmt::format("'{}' is for the method border, not for {}", name(options.preset),
                                             name(options.method))});
   } else if (options.preset == Preset::kLidar && (options.voxel_resolution || options.seed_resolution)) {
-    faults.push_back({"preset", "'lidar' makes voxels as fine as the rays, so that voxel_resolution and "
-                                "seed_resolution must be unset"});
+    faults.push_back({"preset",
+                      "'lidar' makes voxels as fine as the rays, so that voxel_resolution and "
+                      "seed_resolution must be unset"});
   }
 }
 
@@ -248,8 +249,9 @@ std::vector<FieldViolation> violations(const Options& options, const View& view)
   std::vector<FieldViolation> faults;
   const bool is_elsewhere = view.sensor && *view.sensor != Eigen::Vector3f::Zero();
   if (options.preset == Preset::kTabletop && (is_elsewhere || !view.cameras.empty())) {
-    faults.push_back({"preset", "'tabletop' needs the frame of one camera, but the sensor of the cloud's view is not at "
-                                "the origin"});
+    faults.push_back({"preset",
+                      "'tabletop' needs the frame of one camera, but the sensor of the cloud's view is not at "
+                      "the origin"});
   }
   if (options.preset == Preset::kLidar && (view.kind == ViewKind::kCamera || !view.cameras.empty())) {
     faults.push_back({"preset", "'lidar' needs a WORLD view of one sensor, but the cloud's view is that of cameras"});

@@ -86,7 +86,8 @@ Resolution resolution_of(const ChosenScale& chosen) {
 std::string_view unfit_preset(const FrameContext& frame, const ChosenScale& chosen) {
   switch (frame.options.preset) {
     case Preset::kAuto:
-    case Preset::kTabletop: return "";
+    case Preset::kTabletop:
+      return "";
     case Preset::kRoom:
     case Preset::kScan:
       if (frame.view().kind == ViewKind::kWorld) return "";

@@ -48,8 +48,8 @@ void choose_for_world(const FrameContext& frame, StopCheck& check, ChosenScale& 
   if (chosen.scale.voxel < usual) chosen.reason = ResolutionReason::kExtent;
 }
 
-/// Whether the points may be the sweep of a LiDAR that needs other voxels than cubes, as far as the preset and the cubes
-/// tell.
+/// Whether the points may be the sweep of a LiDAR that needs other voxels than cubes, as far as the preset and the
+/// cubes tell.
 bool may_need_panorama(const FrameContext& frame, const ChosenScale& cubes) {
   constexpr double kCoarse = 0.1;  // meters; finer cubes serve a room as well
   const Options& options = frame.options;

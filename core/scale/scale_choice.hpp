@@ -22,11 +22,11 @@ struct ChosenScale {
 ///   distance; there voxels are deeper than wide from the depth at which 3 standard deviations, or 1.25 times the step
 ///   in depth between neighboring points of surfaces at small angles, exceed their edge; and noise counts as such in
 ///   the evidence from the depth at which 2 standard deviations exceed it.
-/// Where cubes would have to be 10 cm or more, or the preset asks for it, a WORLD cloud that is the sweep of a LiDAR (estimate_sweep_sampling)
-/// gets voxels of azimuth, elevation and range instead: 1.25 rings high, two thirds of that to 1 time as wide, and at
-/// least 9 mrad. Voxels that the options fix stay so large. Seeds are 4 voxels apart unless the options fix them;
-/// voxels are never larger than the distance of seeds. The paper's variants keep the requested scale. CANCELLED,
-/// DEADLINE_EXCEEDED.
+/// Where cubes would have to be 10 cm or more, or the preset asks for it, a WORLD cloud that is the sweep of a LiDAR
+/// (estimate_sweep_sampling) gets voxels of azimuth, elevation and range instead: 1.25 rings high, two thirds of that
+/// to 1 time as wide, and at least 9 mrad. Voxels that the options fix stay so large. Seeds are 4 voxels apart unless
+/// the options fix them; voxels are never larger than the distance of seeds. The paper's variants keep the requested
+/// scale. CANCELLED, DEADLINE_EXCEEDED.
 absl::StatusOr<ChosenScale> choose_scale(const FrameContext& frame);
 
 }  // namespace segserve

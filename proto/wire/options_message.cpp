@@ -23,8 +23,8 @@ constexpr std::array kMethods = {
 };
 
 constexpr std::array kPresets = {
-    std::pair{Preset::kAuto, v1::PRESET_AUTO},   std::pair{Preset::kTabletop, v1::PRESET_TABLETOP},
-    std::pair{Preset::kRoom, v1::PRESET_ROOM},   std::pair{Preset::kLidar, v1::PRESET_LIDAR},
+    std::pair{Preset::kAuto, v1::PRESET_AUTO}, std::pair{Preset::kTabletop, v1::PRESET_TABLETOP},
+    std::pair{Preset::kRoom, v1::PRESET_ROOM}, std::pair{Preset::kLidar, v1::PRESET_LIDAR},
     std::pair{Preset::kScan, v1::PRESET_SCAN},
 };
 

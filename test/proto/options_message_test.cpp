@@ -90,8 +90,8 @@ TEST(WireOptions, NamesEveryWrongOptionByItsPath) {
   from_message(message, {}, faults);
   std::vector<std::string> fields;
   for (const FieldViolation& fault : faults) fields.push_back(fault.field);
-  EXPECT_THAT(fields, testing::IsSupersetOf({"options.method", "options.preset", "options.voxel_resolution", "options.lambda",
-                                             "options.threshold", "options.threads"}));
+  EXPECT_THAT(fields, testing::IsSupersetOf({"options.method", "options.preset", "options.voxel_resolution",
+                                             "options.lambda", "options.threshold", "options.threads"}));
 }
 
 TEST(WireOptions, NamesWhatIsWrongForTheViewByItsPath) {

@@ -145,8 +145,8 @@ std::optional<FieldViolation> violation(const OptionInfo& option, double value);
 /// All faults of the options; empty if they are valid.
 std::vector<FieldViolation> violations(const Options& options);
 
-/// The view in which a cloud with this view is segmented: CAMERA with kTabletop; with kLidar a WORLD view without a sensor
-/// gets one at the origin; else the same view.
+/// The view in which a cloud with this view is segmented: CAMERA with kTabletop; with kLidar a WORLD view without a
+/// sensor gets one at the origin; else the same view.
 View segmented_view(const View& view, Preset preset);
 
 /// The faults that options, valid in themselves, have for a cloud in this view: a range needs a known sensor, kTabletop

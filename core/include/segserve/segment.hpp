@@ -64,9 +64,9 @@ struct Segmentation {
   /// Set if nearly every voxel holds a single point, or if even voxels of 1 m are too fine for the cloud: an edge of
   /// voxels, meters, that would fit. The resolution, or the unit of the coordinates, is then probably wrong.
   std::optional<double> fitting_resolution;
-  Resolution resolution;            ///< of voxels and supervoxels, and why
-  /// Why the preset of the options had no effect, as a line for people: no sweep can be seen in the points, or the cloud
-  /// is a camera's frame. Empty if it had one.
+  Resolution resolution;  ///< of voxels and supervoxels, and why
+  /// Why the preset of the options had no effect, as a line for people: no sweep can be seen in the points, or the
+  /// cloud is a camera's frame. Empty if it had one.
   std::string_view unfit_preset;
   std::optional<double> threshold;  ///< of the cut; unset if the options ask for a number of regions
   /// The weight of color against geometry that a method of the paper used; 1/2 for Equalization. 0 with the border
