@@ -134,7 +134,7 @@ absl::StatusOr<codec::RgbdImages> images_of(const FileRequest& request, std::str
     faults.push_back({"rgb_intrinsics", "does not go without the part color of the form"});
   }
   if (parameters.read.view) faults.push_back({"view", "does not go with images, which are seen from the camera"});
-  if (parameters.read.unit != codec::LengthUnit::kMeter) {
+  if (parameters.read.unit) {
     faults.push_back({"unit", "does not go with images: depth_scale tells their unit"});
   }
   RETURN_IF_ERROR(wire::invalid_fields(faults));
