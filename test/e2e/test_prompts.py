@@ -39,6 +39,7 @@ class Prompts(EndToEnd):
         self.assertEqual(pcd.read_labels(output), picked)
         by_pick = json.loads(done.stdout)
         by_pick.pop("candidates")
+        self.assertEqual(by_pick.pop("warnings"), [])
         self.assertEqual(told["selection"], by_pick)
         cut = self.run_well("cut", result, "--threshold", "0.5", "--json", "-")
         self.assertEqual(json.loads(cut.stdout)["segments"], told["segments"])
