@@ -52,8 +52,9 @@ absl::StatusOr<DepthImage> decode_npy_depth(std::string_view bytes, const Decode
   const Column column{array.data(), field.bytes, field.type, field.order};
   if (!format.floats) {
     GrayImage image{size, std::vector<std::uint16_t>(size.pixels())};
-    for_each_value(column, image.pixels.size(), check,
-                   [&image](std::size_t i, auto value) { image.pixels[i] = static_cast<std::uint16_t>(value); });
+    check.for_each(0, image.pixels.size(), [&](std::size_t i) {
+      image.pixels[i] = load<std::uint16_t>(array.data() + i * field.bytes, field.order);
+    });
     RETURN_IF_ERROR(check.status());
     return image;
   }
