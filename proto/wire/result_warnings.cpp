@@ -32,6 +32,7 @@ std::string too_sparse(const Segmentation& segmentation, const Resolution& used)
 /// The median depth of the supervoxels of a CAMERA view, meters; 0 if there are none.
 double median_depth(const Segmentation& segmentation) {
   std::vector<double> depths;
+  depths.reserve(segmentation.supervoxel_features.size());
   for (const SupervoxelFeatures& feature : segmentation.supervoxel_features) depths.push_back(feature.centroid.z());
   if (depths.empty()) return 0;
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
