@@ -41,7 +41,7 @@ std::string selection_text(const PromptedSelection& picked);
 /// A few lines for people, without the warnings.
 std::string to_text(const Summary& summary);
 
-/// What a command tells at its end.
+/// The report of a command about its work.
 struct Told {
   nlohmann::ordered_json json;  ///< without the warnings
   std::string text;             ///< a few lines for people, without the warnings

@@ -28,6 +28,24 @@ constexpr std::array kPresets = {
     std::pair{Preset::kScan, v1::PRESET_SCAN},
 };
 
+/// The value of the API that stands beside `ours` in a table, or `unspecified`.
+template <typename Table, typename Ours, typename InMessage>
+InMessage to_message(const Table& table, Ours ours, InMessage unspecified) {
+  for (const auto& [known, in_message] : table) {
+    if (known == ours) return in_message;
+  }
+  return unspecified;
+}
+
+/// The value that stands beside one of the API in a table; nullopt if there is none.
+template <typename Table, typename InMessage>
+auto from_message(const Table& table, InMessage wanted) -> std::optional<typename Table::value_type::first_type> {
+  for (const auto& [known, in_message] : table) {
+    if (in_message == wanted) return known;
+  }
+  return std::nullopt;
+}
+
 /// The 64-bit hash FNV-1a. Numbers are added as their little-endian bytes.
 class FnvHash {
  public:
@@ -79,33 +97,11 @@ FieldViolation with_request_path(FieldViolation fault) {
 
 }  // namespace
 
-v1::Method to_message(Method method) {
-  for (const auto& [known, in_message] : kMethods) {
-    if (known == method) return in_message;
-  }
-  return v1::METHOD_UNSPECIFIED;
-}
+v1::Method to_message(Method method) { return to_message(kMethods, method, v1::METHOD_UNSPECIFIED); }
+std::optional<Method> from_message(v1::Method method) { return from_message(kMethods, method); }
 
-std::optional<Method> from_message(v1::Method method) {
-  for (const auto& [known, in_message] : kMethods) {
-    if (in_message == method) return known;
-  }
-  return std::nullopt;
-}
-
-v1::Preset to_message(Preset preset) {
-  for (const auto& [known, in_message] : kPresets) {
-    if (known == preset) return in_message;
-  }
-  return v1::PRESET_UNSPECIFIED;
-}
-
-std::optional<Preset> from_message(v1::Preset preset) {
-  for (const auto& [known, in_message] : kPresets) {
-    if (in_message == preset) return known;
-  }
-  return std::nullopt;
-}
+v1::Preset to_message(Preset preset) { return to_message(kPresets, preset, v1::PRESET_UNSPECIFIED); }
+std::optional<Preset> from_message(v1::Preset preset) { return from_message(kPresets, preset); }
 
 v1::SegmentOptions to_message(const Options& options) {
   v1::SegmentOptions message;

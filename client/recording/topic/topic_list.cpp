@@ -34,7 +34,7 @@ std::string list_text(std::vector<TopicInfo> topics) {
 constexpr const char* kReadable =
     "PointCloud2, and depth in Image and CompressedImage, of ROS and of Foxglove can be read";
 
-/// What makes a topic of clouds that can be read of one that cannot; empty if that is not known.
+/// Advises how to record the clouds of a topic that cannot be read. The text is empty if no way is known.
 std::string_view advice_on(const TopicInfo& topic) {
   struct Advice {
     std::string_view part, text;  ///< part of the type's name

@@ -25,7 +25,7 @@ struct PackedColors {
 /// quiet NaN is a missing color, and becomes black.
 PackedColors read_packed_color(const Column& column, StopCheck& check, std::vector<std::uint32_t>& out);
 
-/// What floats without a name can be.
+/// The kinds of color that a column of floats without a name may hold.
 enum class FloatColor : std::uint8_t {
   kNone,    ///< numbers
   kPacked,  ///< colors packed into their bits, 0x00RRGGBB

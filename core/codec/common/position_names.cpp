@@ -28,7 +28,7 @@ constexpr std::array<Triple, 13> kWhole{{
     {"e", "n", "h"},
 }};
 
-/// What stands before and behind x, y and z.
+/// Each pair is the text before and behind the letter x, y or z of a name.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kAround{{
     {"pos_", ""},
     {"pos.", ""},

@@ -68,7 +68,7 @@ struct Archive {
   }
 };
 
-/// What a zip archive of other programs is by its members; empty if that is not known.
+/// Names the format of a zip archive of another program by its members. The text is empty if it is not known.
 std::string_view maker_of(const std::vector<ZipMember>& members) {
   struct Kind {
     std::string_view end, name;

@@ -33,7 +33,7 @@ double field_of_view(double focal, std::uint32_t side) {
   return 2 * std::atan(side / (2 * focal)) * 180 / std::numbers::pi;
 }
 
-/// What is odd; empty if nothing is.
+/// Says which of the intrinsics is odd for an image of this size. The text is empty if none is.
 std::string oddity(const Intrinsics& intrinsics, const ImageSize& size) {
   constexpr double kShortest = 0.18, kLongest = 14;  // of the longer side: 140 and 4 degrees
   constexpr double kMostDifferent = 1.5;
