@@ -6,7 +6,7 @@
 #include "segserve/codec/rgbd.hpp"
 #include "test/fuzz/fuzzed_cloud.hpp"
 
-// Depth images: PNG, PGM and PFM.
+// Depth images: PNG, PGM, PFM and NPY.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace segserve::codec;
   const std::string_view image(reinterpret_cast<const char*>(data), size);

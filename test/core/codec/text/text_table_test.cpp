@@ -6,6 +6,7 @@
 #include "segserve/codec/cloud_file.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
+#include "test/core/codec/text/read_table.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -14,170 +15,35 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-LabeledCloud read(std::string_view file) {
-  EXPECT_TRUE(is_text_table(file)) << file;
-  auto cloud = decode_cloud(bytes_of(file), {}, {.keep_everything = true});
-  EXPECT_TRUE(cloud.ok()) << cloud.status() << "\n" << file;
-  return cloud.ok() ? *std::move(cloud) : LabeledCloud{};
-}
-
-std::vector<std::string> attributes_of(const LabeledCloud& cloud) {
-  std::vector<std::string> names;
-  for (const Attribute& attribute : cloud.attributes) names.push_back(attribute.name);
-  return names;
-}
-
 TEST(TextTable, EverySeparatorIsRead) {
   for (const std::string_view file : {"1 2 3\n4 5 6\n", "1\t2\t3\r\n4\t5\t6\r\n", "1,2,3\n4,5,6\n", "1, 2, 3\n4, 5, 6",
                                       "1;2;3\n4;5;6\n", "1,2,3,\n4,5,6,\n", "  1  2 3 \n\n# a remark\n4 5 6\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << file;
     EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << file;
     EXPECT_THAT(cloud.warnings, IsEmpty()) << file;
   }
 }
 
-TEST(TextTable, CoordinatesHaveNamesOfManyKinds) {
-  for (const std::string_view names :
-       {"x,y,z", "X,Y,Z", "x_m,y_m,z_m", "pos_x,pos_y,pos_z", "position.x,position.y,position.z", "px,py,pz",
-        "X Coord,Y Coord,Z Coord", "x_coordinate,y_coordinate,z_coordinate", "field.x,field.y,field.z",
-        "xyz[0],xyz[1],xyz[2]", "xyz_0,xyz_1,xyz_2", "Points:0,Points:1,Points:2", "Easting,Northing,Elevation",
-        "E,N,Z", "X (m),Y (m),Z (m)"}) {
-    const LabeledCloud cloud = read(std::string(names) + "\n1,2,3\n4,5,6\n");
-    EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << names;
-    EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << names;
-    EXPECT_THAT(cloud.warnings, IsEmpty()) << names;
-    EXPECT_TRUE(cloud.attributes.empty()) << names;
-  }
-  EXPECT_THAT(read("id,northing,easting,elevation\n7,1,2,3\n8,4,5,6\n").cloud.x, ElementsAre(2, 5));
-}
-
-TEST(TextTable, AUnitBesideOrBelowTheNamesIsTaken) {
-  struct Case {
-    std::string_view head;
-    double meters;
-  };
-  for (const Case& c : std::vector<Case>{{"x [mm],y [mm],z [mm]\n", 0.001},
-                                         {"X (mm), Y (mm), Z (mm)\n", 0.001},
-                                         {"x_mm,y_mm,z_mm\n", 0.001},
-                                         {"pos_x_cm,pos_y_cm,pos_z_cm\n", 0.01},
-                                         {"x (feet),y (feet),z (feet)\n", 0.3048},
-                                         {"x,y,z\nmm,mm,mm\n", 0.001},
-                                         {"x,y,z\n[cm],[cm],[cm]\n", 0.01},
-                                         {"x,y,z\n----,----,----\n", 1},
-                                         {"x,y,z\nm,m,m\n", 1},
-                                         {"x (px),y (px),z (px)\n", 1},
-                                         {"x [mm],y [m],z [m]\n", 1}}) {
-    const std::string file = std::string(c.head) + "1,2,3\n4,5,6\n";
-    const LabeledCloud cloud = read(file);
-    EXPECT_DOUBLE_EQ(cloud.placement.meters_per_unit(), c.meters) << c.head;
-    EXPECT_FLOAT_EQ(cloud.cloud.x[1], static_cast<float>(4 * c.meters)) << c.head;
-    EXPECT_EQ(cloud.warnings.size(), c.meters == 1 ? 0U : 1U) << c.head;
-    const auto given = decode_cloud(bytes_of(file), {}, {.unit = LengthUnit::kMeter});
-    ASSERT_TRUE(given.ok()) << given.status();
-    EXPECT_EQ(given->placement.meters_per_unit(), 1) << "a unit that is given wins: " << c.head;
-  }
-  EXPECT_THAT(read("x_mm,y_mm,z_mm\n1,2,3\n").warnings[0].message, HasSubstr("are taken as mm, as the names"));
-}
-
-TEST(TextTable, TitlesAboveTheNamesAreMentioned) {
-  const LabeledCloud cloud = read("Scan of a table\nProject: 7, phase 2\n\nx,y,z\n1,2,3\n4,5,6\n");
-  EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4));
-  ASSERT_EQ(cloud.warnings.size(), 1U);
-  EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kRowsNotUsed);
-  EXPECT_THAT(cloud.warnings[0].message, HasSubstr("2 lines of words above the names"));
-  EXPECT_FALSE(is_text_table("a title\nand another one\n1 2 3\n"));
-  EXPECT_FALSE(is_text_table("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\n"));
-}
-
 TEST(TextTable, ExponentsOfFortranAndEndsOfDosAreRead) {
   for (const std::string_view end : {"", "\n", "\n\x1a", "\r\n\x1a"}) {
-    EXPECT_THAT(read("1.5D-01 2 3\n-4.D+2 5d0 6" + std::string(end)).cloud.x, ElementsAre(0.15F, -400)) << end;
+    EXPECT_THAT(read_table("1.5D-01 2 3\n-4.D+2 5d0 6" + std::string(end)).cloud.x, ElementsAre(0.15F, -400)) << end;
   }
-  EXPECT_THAT(read("1 2 3\n4 5 6\n" + std::string(512, '\0')).cloud.z, ElementsAre(3, 6));
-}
-
-TEST(TextTable, AnAlphaBehindColorsIsNoIntensityBeforeThem) {
-  const LabeledCloud cloud = read("1 2 3 150 110 70 255\n4 5 6 40 60 200 255\n");
-  EXPECT_THAT(cloud.cloud.rgb, ElementsAre(0x966E46U, 0x283CC8U));
-  EXPECT_THAT(attributes_of(cloud), ElementsAre("alpha"));
-  EXPECT_THAT(read("1 2 3 9 150 110 70\n4 5 6 8 40 60 200\n").cloud.rgb, ElementsAre(0x966E46U, 0x283CC8U));
-}
-
-TEST(TextTable, DegreesAreNoCoordinates) {
-  for (const std::string_view names : {"lat,lon,alt", "Latitude,Longitude,Height", "lng,lat,z"}) {
-    const auto status = decode_text_table(bytes_of(std::string(names) + "\n52.5,13.4,30\n"), {}).status();
-    EXPECT_THAT(std::string(status.message()), HasSubstr("latitudes and longitudes are no coordinates")) << names;
-  }
-}
-
-TEST(TextTable, NamesTellTheColumns) {
-  for (const std::string_view file :
-       {"x,y,z,red,green,blue,intensity,label\n1,2,3,255,128,0,0.5,7\n",
-        "\"X\";\"Y\";\"Z\";\"R\";\"G\";\"B\";\"intensity\";\"label\"\n1;2;3;255;128;0;0.5;7\n",
-        "//X Y Z R G B intensity scalar_Label\n1 2 3 255 128 0 0.5 7\n",
-        "# x y z r g b intensity label\n# a remark with eight words in it, then\n# x y z r g b intensity label\n"
-        "1 2 3 255 128 0 0.5 7\n",
-        "label intensity z y x b g r\n7 0.5 3 2 1 0 128 255\n"}) {
-    const LabeledCloud cloud = read(file);
-    EXPECT_THAT(cloud.cloud.x, ElementsAre(1)) << file;
-    EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0))) << file;
-    EXPECT_THAT(cloud.label, ElementsAre(7)) << file;
-    EXPECT_THAT(attributes_of(cloud), testing::Contains("intensity")) << file;
-  }
-}
-
-TEST(TextTable, ValuesTellTheColumnsThatHaveNoNames) {
-  EXPECT_THAT(attributes_of(read("1 2 3 0.5\n")), ElementsAre("intensity"));
-  EXPECT_THAT(read("1 2 3 255 128 0\n").cloud.rgb, ElementsAre(pack_rgb(255, 128, 0)));
-  EXPECT_THAT(read("1 2 3 1.0 0.5 0\n1 2 3 0.5 0.5 0.5\n").cloud.rgb,
-              ElementsAre(pack_rgb(255, 128, 0), pack_rgb(128, 128, 128)));
-  const LabeledCloud normals = read("1 2 3 0 0 -1\n1 2 3 0.6 0.8 0\n1 2 3 0 0 0\n");
-  EXPECT_THAT(attributes_of(normals), ElementsAre("nx", "ny", "nz"));
-  EXPECT_FALSE(normals.cloud.has_color());
-  const LabeledCloud pts = read("2\n1 2 3 -1200 255 128 0\n4 5 6 -7 0 0 255\n");
-  EXPECT_THAT(pts.cloud.rgb, ElementsAre(pack_rgb(255, 128, 0), pack_rgb(0, 0, 255)));
-  EXPECT_THAT(attributes_of(pts), ElementsAre("intensity"));
-  EXPECT_THAT(pts.warnings, IsEmpty());
-  const LabeledCloud both = read("1 2 3 10 20 30 40\n");
-  EXPECT_THAT(both.cloud.rgb, ElementsAre(pack_rgb(20, 30, 40)));
-  ASSERT_EQ(both.warnings.size(), 1U);
-  EXPECT_THAT(both.warnings[0].message, HasSubstr("taken as: x y z intensity red green blue"));
-  const LabeledCloud last = read("1 2 3 10 20 30 -4\n");
-  EXPECT_THAT(last.cloud.rgb, ElementsAre(pack_rgb(10, 20, 30)));
-  EXPECT_THAT(attributes_of(last), ElementsAre("column_7"));
-}
-
-TEST(TextTable, ALastColumnOfSmallIntegersBehindColorsIsALabel) {
-  const std::vector<std::pair<std::string, std::string>> cases{
-      {"1 2 3 150 110 70 0\n1 2 3 150 110 70 2\n", "x y z red green blue label"},
-      {"1 2 3 0.59 0.43 0.27 0\n1 2 3 0.59 0.43 0.27 2\n", "x y z red green blue label"},
-      {"1 2 3 3 150 110 70 0\n1 2 3 3 150 110 70 2\n", "x y z intensity red green blue label"},
-  };
-  for (const auto& [file, names] : cases) {
-    const LabeledCloud cloud = read(file);
-    EXPECT_THAT(cloud.label, ElementsAre(0, 2)) << file;
-    EXPECT_EQ(cloud.cloud.rgb[0] >> 16U, 150U) << file;
-    ASSERT_EQ(cloud.warnings.size(), 1U) << file;
-    EXPECT_THAT(cloud.warnings[0].message, HasSubstr("taken as: " + names + ";"));
-  }
-  EXPECT_EQ(read("1 2 3 -3 150 110 70 0\n").label.size(), 1U);
-  const LabeledCloud two = read("1 2 3 150 110 70 4 0\n");
-  EXPECT_THAT(two.warnings[0].message, HasSubstr("x y z red green blue column_7"));
-  EXPECT_THAT(read("1 2 3 3 150 110 70\n").warnings[0].message, HasSubstr("x y z intensity red green blue;"));
+  EXPECT_THAT(read_table("1 2 3\n4 5 6\n" + std::string(512, '\0')).cloud.z, ElementsAre(3, 6));
 }
 
 TEST(TextTable, AllBlocksOfPtsAreRead) {
-  const LabeledCloud cloud = read("2\n1 2 3\n4 5 6\n1\n7 8 9\n");
+  const LabeledCloud cloud = read_table("2\n1 2 3\n4 5 6\n1\n7 8 9\n");
   EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4, 7));
   EXPECT_THAT(cloud.warnings, IsEmpty());
-  const LabeledCloud cut = read("3\n1 2 3\n4 5 6\n");
+  const LabeledCloud cut = read_table("3\n1 2 3\n4 5 6\n");
   ASSERT_EQ(cut.warnings.size(), 1U);
   EXPECT_THAT(cut.warnings[0].message, HasSubstr("3 points are promised, and 2 are there"));
 }
 
 TEST(TextTable, UnknownPositionsAndFarOnesAreKept) {
-  const LabeledCloud cloud = read("x,y,z\nnan,NaN,1.#QNAN\n500000.125,5800000.25,1e2\n500001.125,5800000.25,+1\n");
+  const LabeledCloud cloud =
+      read_table("x,y,z\nnan,NaN,1.#QNAN\n500000.125,5800000.25,1e2\n500001.125,5800000.25,+1\n");
   EXPECT_TRUE(std::isnan(cloud.cloud.x[0]));
   EXPECT_EQ(cloud.cloud.x[2] - cloud.cloud.x[1], 1);
   EXPECT_EQ(cloud.file_position[0][1], 500000.125);
@@ -185,27 +51,27 @@ TEST(TextTable, UnknownPositionsAndFarOnesAreKept) {
 
 TEST(TextTable, NumbersThatMicrosoftRoundsAreRead) {
   for (const std::string_view word : {"-1.#J", "1.#R", "-1.#IO", "1.#IND00", "1.#QNAN", "1.#SNAN", "1.#S", "1.#Q"}) {
-    const LabeledCloud cloud = read("0 0 0\n" + std::string(word) + " 2 3\n");
+    const LabeledCloud cloud = read_table("0 0 0\n" + std::string(word) + " 2 3\n");
     EXPECT_TRUE(std::isnan(cloud.cloud.x[1])) << word;
   }
-  EXPECT_TRUE(std::isinf(read("x y z t\n0 0 0 1\n1 1 1.#INF 2\n").cloud.z[1]));
+  EXPECT_TRUE(std::isinf(read_table("x y z t\n0 0 0 1\n1 1 1.#INF 2\n").cloud.z[1]));
   expect_fault(decode_text_table(bytes_of("1 2 3\n1.#X 2 3\n"), {}).status(), "'1.#X' is not a value");
 }
 
 TEST(TextTable, ACommentTellsTheView) {
-  EXPECT_EQ(read("# segserve view world 1 2 3\nx,y,z\n1,2,3\n").cloud.view, View::world(1, 2, 3));
-  EXPECT_EQ(read("//segserve view camera\n//x y z\n1 2 3\n").cloud.view, View::camera());
+  EXPECT_EQ(read_table("# segserve view world 1 2 3\nx,y,z\n1,2,3\n").cloud.view, View::world(1, 2, 3));
+  EXPECT_EQ(read_table("//segserve view camera\n//x y z\n1 2 3\n").cloud.view, View::camera());
 }
 
 TEST(TextTable, ColumnsOfWordsAreMentioned) {
-  const LabeledCloud cloud = read("x,y,z,kind\n1,2,3,\"a tree, tall\"\n4,5,6,car\n");
+  const LabeledCloud cloud = read_table("x,y,z,kind\n1,2,3,\"a tree, tall\"\n4,5,6,car\n");
   EXPECT_THAT(cloud.attributes, IsEmpty());
   ASSERT_EQ(cloud.warnings.size(), 1U);
   EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept);
 }
 
 TEST(TextTable, LabelsThatAreWordsAreMentioned) {
-  const LabeledCloud cloud = read("x,y,z,label\n1,2,3,table\n4,5,6,7\n");
+  const LabeledCloud cloud = read_table("x,y,z,label\n1,2,3,table\n4,5,6,7\n");
   EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4));
   EXPECT_THAT(cloud.label, IsEmpty());
   EXPECT_THAT(cloud.attributes, IsEmpty());
@@ -216,7 +82,7 @@ TEST(TextTable, LabelsThatAreWordsAreMentioned) {
 
 TEST(TextTable, ColorsThatAreWordsAreMentioned) {
   for (const std::string_view file : {"x,y,z,r,g,b\n1,2,3,dark,0,0\n", "x,y,z,rgb\n1,2,3,#ff0000\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1)) << file;
     EXPECT_FALSE(cloud.cloud.has_color());
     ASSERT_EQ(cloud.warnings.size(), 1U);
@@ -229,12 +95,12 @@ TEST(TextTable, PackedColorsAreIntegersOrTheirBitsAsFloats) {
   for (const std::string_view file :
        {"x,y,z,rgb\n1,2,3,9858630\n4,5,6,-6918586\n4,5,6,4288048710\n",
         "x,y,z,rgb\n1,2,3,1.3814883079346571e-38\n4,5,6,-9.997838589542423e+37\n4,5,6,1.3814883079346571e-38\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_THAT(cloud.cloud.rgb, testing::AllOf(testing::SizeIs(3), testing::Each(pack_rgb(0x96, 0x6e, 0x46)))) << file;
     EXPECT_THAT(cloud.warnings, IsEmpty());
   }
   for (const std::string_view file : {"x,y,z,rgb\n1,2,3,0.5\n", "x,y,z,rgb\n1,2,3,5000000000\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_FALSE(cloud.cloud.has_color());
     ASSERT_EQ(cloud.warnings.size(), 1U);
     EXPECT_EQ(cloud.warnings[0].message,
@@ -243,7 +109,7 @@ TEST(TextTable, PackedColorsAreIntegersOrTheirBitsAsFloats) {
 }
 
 TEST(TextTable, LabelsThatAreMissingAreZero) {
-  const LabeledCloud cloud = read("x,y,z,label\n1,2,3,\n4,5,6,nan\n7,8,9,2\n7,8,9,None\n");
+  const LabeledCloud cloud = read_table("x,y,z,label\n1,2,3,\n4,5,6,nan\n7,8,9,2\n7,8,9,None\n");
   EXPECT_THAT(cloud.label, ElementsAre(0, 0, 2, 0));
   EXPECT_THAT(cloud.warnings, IsEmpty());
 }
@@ -253,20 +119,20 @@ TEST(TextTable, EmptyCellsAreUnknown) {
        {"x,y,z,r,g,b\n,,,150,110,70\n1,,3,150,110,70\n", ",,,150,110,70\n1,,3,150,110,70\n",
         "x\ty\tz\tr\tg\tb\n\t\t\t150\t110\t70\n1\t\t3\t150\t110\t70\n",
         "x;y;z;r;g;b\nNA;NA;NA;150;110;70\n1;null;3;150;110;70\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     ASSERT_EQ(cloud.cloud.size(), 2U) << file;
     EXPECT_TRUE(std::isnan(cloud.cloud.x[0]) && std::isnan(cloud.cloud.y[1])) << file;
     EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(150, 110, 70), pack_rgb(150, 110, 70))) << file;
     EXPECT_THAT(cloud.warnings, IsEmpty()) << file;
   }
-  EXPECT_EQ(attributes_of(read("x,y,z,intensity\n1,2,3,\n4,5,6,7\n")).size(), 1U);
+  EXPECT_EQ(attributes_of(read_table("x,y,z,intensity\n1,2,3,\n4,5,6,7\n")).size(), 1U);
 }
 
 TEST(TextTable, TheFirstColumnMayHaveWords) {
   for (const std::string_view file :
        {"name,x,y,z\ncup,1,2,3\ncup,4,5,6\n", "time,x,y,z\n2024-01-01 10:00:00.1,1,2,3\n2024-01-01 10:00:00.2,4,5,6\n",
         "id x y z\np0 1 2 3\np1 4 5 6\n", "name\tx\ty\tz\na cup\t1\t2\t3\na cup\t4\t5\t6\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << file;
     EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << file;
     ASSERT_EQ(cloud.warnings.size(), 1U) << file;
@@ -278,36 +144,16 @@ TEST(TextTable, RowsMayHaveNamesInFront) {
   for (const std::string_view file : {" x y z r g b\n0 1 2 3 9 8 7\n1 4 5 6 9 8 7\n",
                                       "\"x\" \"y\" \"z\" \"r\" \"g\" \"b\"\n\"1\" 1 2 3 9 8 7\n\"2\" 4 5 6 9 8 7\n",
                                       "x,y,z,r,g,b\n0,1,2,3,9,8,7\n1,4,5,6,9,8,7\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << file;
     EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(9, 8, 7), pack_rgb(9, 8, 7))) << file;
   }
 }
 
-TEST(TextTable, NamesOfOtherProgramsAreKnown) {
-  for (const std::string_view file :
-       {"X\tY\tZ\tR\tG\tB\tReturn Number\n1\t2\t3\t9\t8\t7\t1\n",
-        "\"RGB:0\",\"RGB:1\",\"RGB:2\",\"Points:0\",\"Points:1\",\"Points:2\"\n9,8,7,1,2,3\n",
-        "Points_m_XYZ:0,Points_m_XYZ:1,Points_m_XYZ:2,r,g,b\n1,2,3,9,8,7\n", "X [m],Y [m],Z [m],R,G,B\n1,2,3,9,8,7\n",
-        "X [m] Y [m] Z [m] R G B\n1 2 3 9 8 7\n", "x(m),y(m),z(m),r,g,b\n1,2,3,9,8,7\n",
-        "Easting,Northing,Elevation,Red,Green,Blue\n1,2,3,9,8,7\n", "sep=;\nx;y;z;r;g;b\n1;2;3;9;8;7\n",
-        "x|y|z|r|g|b\n1|2|3|9|8|7\n"}) {
-    const LabeledCloud cloud = read(file);
-    EXPECT_THAT(cloud.cloud.x, ElementsAre(1)) << file;
-    EXPECT_THAT(cloud.cloud.z, ElementsAre(3)) << file;
-    EXPECT_THAT(cloud.cloud.rgb, ElementsAre(pack_rgb(9, 8, 7))) << file;
-    EXPECT_THAT(cloud.warnings, IsEmpty()) << file;
-  }
-  EXPECT_TRUE(is_text_table("a,b,c\n1,2,3\n"));  // so that the fault is about the names
-  EXPECT_FALSE(is_text_table("some,words,here\nand,no,number\n"));
-  EXPECT_FALSE(is_text_table("f 1 2 3\nf 4 5 6\n"));
-  EXPECT_FALSE(is_text_table("SIZE 4 4 4\nCOUNT 1 1 1\n"));
-}
-
 TEST(TextTable, DecimalCommasAreReadUnlessCommasSeparate) {
   for (const std::string_view file : {"X;Y;Z;kind\n1,5;-2,5;3,0e1;a,b\n", "1,5;-2,5;30\n", "1,5 -2,5 30,0\n",
                                       "1,5\t-2,5\t30,0\n", "x\ty\tz\n1,5\t-2,5\t30,0\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1.5F)) << file;
     EXPECT_THAT(cloud.cloud.y, ElementsAre(-2.5F)) << file;
     EXPECT_THAT(cloud.cloud.z, ElementsAre(30)) << file;
@@ -315,7 +161,8 @@ TEST(TextTable, DecimalCommasAreReadUnlessCommasSeparate) {
 }
 
 TEST(TextTable, LargeIntegersStayExact) {
-  const LabeledCloud cloud = read("x,y,z,timestamp\n1,2,3,5\n1,2,3,1700000000123456789\n1,2,3,-1700000000123456789\n");
+  const LabeledCloud cloud =
+      read_table("x,y,z,timestamp\n1,2,3,5\n1,2,3,1700000000123456789\n1,2,3,-1700000000123456789\n");
   ASSERT_EQ(cloud.attributes.size(), 1U);
   ASSERT_EQ(cloud.attributes[0].type, ScalarType::kInt64);
   std::vector<std::int64_t> values(3);
@@ -325,7 +172,7 @@ TEST(TextTable, LargeIntegersStayExact) {
 }
 
 TEST(TextTable, LargeIntegersMayHaveNoSign) {
-  const LabeledCloud cloud = read("x,y,z,hash\n1,2,3,5\n1,2,3,18446744073709551615\n1,2,3,9007199254740993\n");
+  const LabeledCloud cloud = read_table("x,y,z,hash\n1,2,3,5\n1,2,3,18446744073709551615\n1,2,3,9007199254740993\n");
   ASSERT_EQ(cloud.attributes.size(), 1U);
   ASSERT_EQ(cloud.attributes[0].type, ScalarType::kUint64);
   std::vector<std::uint64_t> values(3);
@@ -338,13 +185,13 @@ TEST(TextTable, LargeIntegersAmongOtherNumbersAreRoundedWithAWarning) {
   for (const std::string_view file :
        {"x,y,z,t\n1,2,3,0.5\n1,2,3,1700000000123456789\n", "x,y,z,t\n1,2,3,1700000000123456789\n1,2,3,\n",
         "x,y,z,t\n1,2,3,99999999999999999999\n", "x,y,z,t\n1,2,3,-5\n1,2,3,18446744073709551615\n"}) {
-    const LabeledCloud cloud = read(file);
+    const LabeledCloud cloud = read_table(file);
     ASSERT_EQ(cloud.warnings.size(), 1U) << file;
     EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kAttributeNotKept);
     EXPECT_THAT(cloud.warnings[0].message, HasSubstr("integers beyond 2^53 of 't' are rounded"));
     EXPECT_EQ(cloud.attributes[0].type, ScalarType::kFloat64);
   }
-  EXPECT_THAT(read("x,y,z,t\n1,2,3,1e300\n").warnings, IsEmpty());
+  EXPECT_THAT(read_table("x,y,z,t\n1,2,3,1e300\n").warnings, IsEmpty());
 }
 
 TEST(TextTable, EachFaultNamesItsLine) {
