@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/status_macros.hpp"
+#include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/position_names.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
@@ -17,19 +18,50 @@ using Names = std::vector<std::string_view>;
 using Triple = std::array<std::size_t, 3>;
 
 struct ColorNames {
-  std::array<std::string_view, 3> names;
-  ChannelKind kind;
+  std::array<std::string, 3> names;
+  ChannelKind kind = ChannelKind::kIntensity;
 };
 
-constexpr std::array<ColorNames, 7> kColorNames{{
-    {{"r", "g", "b"}, ChannelKind::kIntensity},
-    {{"red", "green", "blue"}, ChannelKind::kIntensity},
-    {{"diffuse_red", "diffuse_green", "diffuse_blue"}, ChannelKind::kIntensity},
-    {{"color_r", "color_g", "color_b"}, ChannelKind::kIntensity},
-    {{"rf", "gf", "bf"}, ChannelKind::kIntensity},
-    {{"scalar_r", "scalar_g", "scalar_b"}, ChannelKind::kIntensity},
+const std::array<ColorNames, 12> kUsualColors{{
+    {{"r", "g", "b"}},
+    {{"red", "green", "blue"}},
     {{"f_dc_0", "f_dc_1", "f_dc_2"}, ChannelKind::kSphericalHarmonic},
+    {{"rot", "grün", "blau"}},
+    {{"rot", "gruen", "blau"}},
+    {{"rouge", "vert", "bleu"}},
+    {{"rojo", "verde", "azul"}},
+    {{"rosso", "verde", "blu"}},
+    {{"vermelho", "verde", "azul"}},
+    {{"rood", "groen", "blauw"}},
+    {{"röd", "grön", "blå"}},
+    {{"赤", "緑", "青"}},
 }};
+
+/// Each pair is the text before and behind r, g and b, or red, green and blue, in a name.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kAroundChannel{{
+    {"diffuse_", ""}, {"color_", ""}, {"colour_", ""}, {"scalar_", ""}, {"vertex_", ""}, {"vertex_color_", ""},
+    {"rgb_", ""},     {"col_", ""},   {"c_", ""},      {"color.", ""},  {"color", ""},   {"colour", ""},
+    {"c", ""},        {"", "f"},      {"", "8"},       {"", "16"},      {"", "255"},     {"", "_channel"},
+    {"", "_color"},   {"", "_value"},
+}};
+
+std::vector<ColorNames> make_color_names() {
+  std::vector<ColorNames> all(kUsualColors.begin(), kUsualColors.end());
+  for (const auto& [before, behind] : kAroundChannel) {
+    for (const ColorNames& usual : {kUsualColors[0], kUsualColors[1]}) {
+      ColorNames names = usual;
+      for (std::string& name : names.names) name = fmt::format("{}{}{}", before, name, behind);
+      all.push_back(std::move(names));
+    }
+  }
+  return all;
+}
+
+/// The channels of a color by all names that are known, in small letters.
+const std::vector<ColorNames>& color_names() {
+  static const std::vector<ColorNames> kAll = make_color_names();
+  return kAll;
+}
 
 /// A field with all channels of a color.
 struct VectorName {
@@ -78,6 +110,18 @@ bool looks_like_color(std::string_view lower_name) {
   constexpr std::array<std::string_view, 8> kParts{"rgb", "bgr", "red", "green", "blue", "color", "colour", "f_dc"};
   const auto is_part = [lower_name](std::string_view part) { return lower_name.find(part) != std::string_view::npos; };
   return std::ranges::find(kChannels, lower_name) != kChannels.end() || std::ranges::any_of(kParts, is_part);
+}
+
+absl::Status check_point_numbers(const std::vector<Field>& fields) {
+  std::size_t left = kMostPointNumbers;
+  for (const Field& field : fields) {
+    if (field.count > left) {
+      return absl::InvalidArgumentError(fmt::format("a point has more than {} numbers, {} of them in {}",
+                                                    kMostPointNumbers, field.count, quoted(field.name)));
+    }
+    left -= field.count;
+  }
+  return absl::OkStatus();
 }
 
 absl::Status find_position(const std::vector<Field>& fields, const FieldNames& names, FieldRoles& roles) {
@@ -130,8 +174,9 @@ absl::Status find_color(const std::vector<Field>& fields, const FieldNames& name
     roles.packed = found;
     return absl::OkStatus();
   }
-  for (const ColorNames& wanted : kColorNames) {
-    ASSIGN_OR_RETURN(const auto found, names.find(wanted.names));
+  for (const ColorNames& wanted : color_names()) {
+    const auto& [red, green, blue] = wanted.names;
+    ASSIGN_OR_RETURN(const auto found, names.find({red, green, blue}));
     if (found && std::ranges::all_of(*found, [&fields](std::size_t i) { return fields[i].is_single(); })) {
       roles.channels = found;
       roles.channel_kind = wanted.kind;
@@ -188,7 +233,7 @@ bool has_meaning(std::string_view name) {
   const auto is_channel = [&lower](const ColorNames& color) {
     return std::ranges::find(color.names, lower) != color.names.end();
   };
-  return std::ranges::find(kOthers, lower) != kOthers.end() || std::ranges::any_of(kColorNames, is_channel);
+  return std::ranges::find(kOthers, lower) != kOthers.end() || std::ranges::any_of(color_names(), is_channel);
 }
 
 absl::StatusOr<std::optional<std::size_t>> find_unique(const std::vector<std::string_view>& names,
@@ -215,6 +260,7 @@ absl::StatusOr<std::optional<std::array<std::size_t, 3>>> find_triple(const std:
 }
 
 absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings) {
+  RETURN_IF_ERROR(check_point_numbers(fields));
   const FieldNames names(fields);
   FieldRoles roles;
   RETURN_IF_ERROR(find_position(fields, names, roles));

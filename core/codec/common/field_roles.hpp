@@ -57,13 +57,14 @@ struct FieldRoles {
 
 /// Finds what the fields are by the names that programs give them, in any case; a name in the usual case comes first.
 ///  - position: x, y, z, or the names that find_position_names knows
-///  - color: rgb or rgba, packed in a number of 4 or 8 bytes; or else r g b, red green blue, diffuse_red .., color_r
-///  ..,
-///    f_dc_0 f_dc_1 f_dc_2; or else one field of 3 or 4 numbers: rgb, rgba, bgr, bgra, color or colors
+///  - color: rgb or rgba, packed in a number of 4 or 8 bytes; or else r g b, red green blue, these with a word before
+///  or
+///    behind them such as diffuse_red, color_r or R8, f_dc_0 f_dc_1 f_dc_2, or the words of some other languages; or
+///    else one field of 3 or 4 numbers: rgb, rgba, bgr, bgra, color or colors
 ///  - label: label, scalar_Label
-/// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, or if a name that is used occurs
-/// twice. Warns of fields that look like color, or like a label, and are not used, and of 4 numbers whose name does not
-/// tell that red comes first and alpha last.
+/// INVALID_ARGUMENT if there is no position, if a coordinate is more than one number, if a name that is used occurs
+/// twice, or if the fields have more than kMostPointNumbers together. Warns of fields that look like color, or like a
+/// label, and are not used, and of 4 numbers whose name does not tell that red comes first and alpha last.
 absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, std::vector<Warning>& warnings);
 
 /// The text with small letters for the capitals of ASCII.

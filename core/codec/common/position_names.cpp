@@ -12,10 +12,11 @@ namespace {
 
 using Triple = std::array<std::string_view, 3>;
 
-constexpr std::array<Triple, 13> kWhole{{
+constexpr std::array<Triple, 17> kWhole{{
     {"x", "y", "z"},
     {"points:0", "points:1", "points:2"},
     {"points_m_xyz:0", "points_m_xyz:1", "points_m_xyz:2"},
+    {"points_0", "points_1", "points_2"},
     {"xyz_0", "xyz_1", "xyz_2"},
     {"xyz[0]", "xyz[1]", "xyz[2]"},
     {"xyz:0", "xyz:1", "xyz:2"},
@@ -24,29 +25,20 @@ constexpr std::array<Triple, 13> kWhole{{
     {"easting", "northing", "altitude"},
     {"easting", "northing", "z"},
     {"east", "north", "elev"},
+    {"east", "north", "up"},
+    {"e", "n", "u"},
+    {"rechtswert", "hochwert", "höhe"},
     {"e", "n", "z"},
     {"e", "n", "h"},
 }};
 
 /// Each pair is the text before and behind the letter x, y or z of a name.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kAround{{
-    {"pos_", ""},
-    {"pos.", ""},
-    {"position_", ""},
-    {"position.", ""},
-    {"point_", ""},
-    {"point.", ""},
-    {"points_", ""},
-    {"coord_", ""},
-    {"coord.", ""},
-    {"coordinate_", ""},
-    {"field.", ""},
-    {"world_", ""},
-    {"p", ""},
-    {"", "_coord"},
-    {"", " coord"},
-    {"", "_coordinate"},
-    {"", " coordinate"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 28> kAround{{
+    {"pos_", ""},    {"pos.", ""},   {"position_", ""},   {"position.", ""},   {"point_", ""},   {"point.", ""},
+    {"points_", ""}, {"coord_", ""}, {"coord.", ""},      {"coordinate_", ""}, {"field.", ""},   {"world_", ""},
+    {"map_", ""},    {"utm_", ""},   {"local_", ""},      {"global_", ""},     {"lidar_", ""},   {"laser_", ""},
+    {"camera_", ""}, {"cam_", ""},   {"sensor_", ""},     {"pos", ""},         {"position", ""}, {"p", ""},
+    {"", "_coord"},  {"", " coord"}, {"", "_coordinate"}, {"", " coordinate"},
 }};
 
 struct UnitName {
@@ -76,6 +68,9 @@ constexpr std::array<UnitName, 20> kUnits{{
     {"international foot", LengthUnit::kFoot},
 }};
 
+/// What stands between a name and its unit. Behind the first, only short names of units are looked for.
+constexpr std::array<std::string_view, 3> kBeforeUnit{"_", "/", " in "};
+
 /// A name in small letters, and the unit behind it, which is not part of it.
 struct Name {
   std::string text;
@@ -83,13 +78,16 @@ struct Name {
 };
 
 Name without_unit(std::string_view name) {
-  constexpr std::array<std::string_view, 4> kSuffixes{"m", "cm", "mm", "ft"};
+  constexpr std::array<std::string_view, 4> kShort{"m", "cm", "mm", "ft"};
   const std::string lower = lower_case(name);
-  const std::size_t end = lower.find_last_of('_');
-  if (end == std::string::npos || end == 0) return {lower, std::nullopt};
-  const std::string_view behind = std::string_view(lower).substr(end + 1);
-  if (std::ranges::find(kSuffixes, behind) == kSuffixes.end()) return {lower, std::nullopt};
-  return {lower.substr(0, end), unit_in_words(behind)};
+  for (const std::string_view between : kBeforeUnit) {
+    const std::size_t end = lower.rfind(between);
+    if (end == std::string::npos || end == 0) continue;
+    const std::string_view behind = std::string_view(lower).substr(end + between.size());
+    if (between == "_" && std::ranges::find(kShort, behind) == kShort.end()) continue;
+    if (const auto unit = unit_in_words(behind)) return {lower.substr(0, end), unit};
+  }
+  return {lower, std::nullopt};
 }
 
 /// Where three names are that `is_wanted(name, axis)` accepts, with the same unit behind all of them.

@@ -29,21 +29,31 @@ absl::Status fault(fmt::format_string<Args...> format, Args&&... args) {
 /// Memory that is not cleared, because the caller writes each byte before reading it.
 std::unique_ptr<std::byte[]> allocate(std::size_t bytes) { return std::make_unique_for_overwrite<std::byte[]>(bytes); }
 
-/// The compressed bytes of a binary_compressed body. The two sizes in front of them are checked against the header, the
-/// limits and the bytes at hand.
-absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& header, std::span<const std::byte> body,
-                                                            const DecodeLimits& limits) {
+/// A body that is binary_compressed.
+struct CompressedBody {
+  std::span<const std::byte> compressed;
+  bool has_padding = false;  ///< whether the fields that are padding are among those that were compressed
+};
+
+/// Finds the compressed bytes. The two sizes in front of them are checked against the header, the limits and the bytes
+/// at hand.
+absl::StatusOr<CompressedBody> compressed_body(const PcdHeader& header, std::span<const std::byte> body,
+                                               const DecodeLimits& limits) {
   constexpr std::size_t kSizes = 8;
   if (body.size() < kSizes) {
     return fault("it has {} bytes, but binary_compressed begins with two sizes of 4 bytes", body.size());
   }
   const std::size_t compressed = load<std::uint32_t>(body.data());
   const std::uint64_t claimed = load<std::uint32_t>(body.data() + 4);
-  const std::size_t point_bytes = header.point_bytes();
+  const auto is_claimed = [&](std::size_t point_bytes) {
+    return claimed % point_bytes == 0 && claimed / point_bytes == header.points;
+  };
+  const std::size_t point_bytes = header.point_bytes(false);
+  const bool has_padding = !is_claimed(point_bytes) && is_claimed(header.point_bytes(true));
   if (compressed > body.size() - kSizes) {
     return fault("it claims {} compressed bytes, but has {}", compressed, body.size() - kSizes);
   }
-  if (claimed % point_bytes != 0 || claimed / point_bytes != header.points) {
+  if (!has_padding && !is_claimed(point_bytes)) {
     return fault("it claims {} bytes when decompressed, which is not POINTS {} of {} bytes each", claimed,
                  header.points, point_bytes);
   }
@@ -52,7 +62,7 @@ absl::StatusOr<std::span<const std::byte>> compressed_bytes(const PcdHeader& hea
   if (claimed > kBestRatio * compressed) {
     return fault("it claims {} bytes when decompressed, more than {} compressed bytes can hold", claimed, compressed);
   }
-  return body.subspan(kSizes, compressed);
+  return CompressedBody{body.subspan(kSizes, compressed), has_padding};
 }
 
 /// A word of a line of text that is kept.
@@ -184,7 +194,7 @@ absl::Status BodyReader::read_table(const PointTable& table) {
 }
 
 absl::Status BodyReader::read_binary(std::span<const std::byte> body) {
-  const std::size_t point_bytes = header_.point_bytes();
+  const std::size_t point_bytes = header_.point_bytes(true);
   if (header_.points > body.size() / point_bytes) {
     return fault("it has {} bytes, but POINTS {} of {} bytes each need more", body.size(), header_.points, point_bytes);
   }
@@ -197,8 +207,9 @@ absl::Status BodyReader::read_binary(std::span<const std::byte> body) {
 }
 
 absl::Status BodyReader::read_compressed(std::span<const std::byte> body) {
-  ASSIGN_OR_RETURN(const auto compressed, compressed_bytes(header_, body, limits_));
-  const std::size_t size = header_.points * header_.point_bytes();
+  ASSIGN_OR_RETURN(const CompressedBody block, compressed_body(header_, body, limits_));
+  const std::span<const std::byte> compressed = block.compressed;
+  const std::size_t size = header_.points * header_.point_bytes(block.has_padding);
   const auto planes = allocate(size);
   if (size > 0) {
     const unsigned written = lzf_decompress(compressed.data(), static_cast<unsigned>(compressed.size()), planes.get(),
@@ -208,7 +219,7 @@ absl::Status BodyReader::read_compressed(std::span<const std::byte> body) {
   return read_table(make_table([&](std::size_t field) {
     std::size_t offset = 0;
     for (std::size_t i = 0; i < field; ++i) {
-      if (!header_.fields[i].is_padding()) offset += header_.fields[i].bytes() * header_.points;
+      if (block.has_padding || !header_.fields[i].is_padding()) offset += header_.fields[i].bytes() * header_.points;
     }
     return Column{planes.get() + offset, header_.fields[field].bytes(), header_.fields[field].type};
   }));

@@ -246,11 +246,9 @@ std::vector<Field> PcdHeader::point_fields() const {
   return all;
 }
 
-std::size_t PcdHeader::point_bytes() const {
+std::size_t PcdHeader::point_bytes(bool with_padding) const {
   std::size_t sum = 0;
-  for (const PcdField& field : fields) {
-    if (!(field.is_padding() && encoding == PcdEncoding::kBinaryCompressed)) sum += field.bytes();
-  }
+  for (const PcdField& field : fields) sum += with_padding || !field.is_padding() ? field.bytes() : 0;
   return sum;
 }
 

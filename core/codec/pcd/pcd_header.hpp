@@ -25,7 +25,7 @@ struct PcdField {
   std::size_t count = 1;  ///< values of the type, at least 1
 
   std::size_t bytes() const { return size_of(type) * count; }
-  /// Whether the field is padding. The encoding binary_compressed leaves it out.
+  /// Whether the field is padding. PCL leaves it out of a body that is binary_compressed; other programs do not.
   bool is_padding() const { return name == "_"; }
 };
 
@@ -45,8 +45,9 @@ struct PcdHeader {
 
   /// The fields as find_field_roles has them. They refer to the names in this header.
   std::vector<Field> point_fields() const;
-  /// Bytes of one point in a binary body. The sum cannot overflow, because it is at most DecodeLimits::max_bytes.
-  std::size_t point_bytes() const;
+  /// Bytes of one point in a body, which has padding or not. The sum cannot overflow, because it is at most
+  /// DecodeLimits::max_bytes.
+  std::size_t point_bytes(bool with_padding) const;
 };
 
 /// Parses the header at the beginning of a PCD file. INVALID_ARGUMENT that names the line and the fault, or the

@@ -148,10 +148,11 @@ absl::Status assign_roles(PlyHeader& header) {
 }
 
 absl::Status find_vertex(const DecodeLimits& limits, PlyHeader& header) {
-  Words names;
-  for (const PlyElement& element : header.elements) names.emplace_back(element.name);
+  std::vector<std::string> lower_names;
+  for (const PlyElement& element : header.elements) lower_names.push_back(lower_case(element.name));
+  const Words names(lower_names.begin(), lower_names.end());
   std::optional<std::size_t> found;
-  for (const std::string_view wanted : {"vertex", "Vertex", "vertices", "point", "points"}) {
+  for (const std::string_view wanted : {"vertex", "vertices", "point", "points"}) {
     const auto vertex = find_unique(names, wanted);
     if (!vertex.ok()) return with_prefix("PLY header: elements", vertex.status());
     if (!found) found = *vertex;

@@ -40,7 +40,17 @@ TEST(FieldRoles, ColorsHaveManyNames) {
                                                     {"R", "G", "B"},
                                                     {"Red", "Green", "Blue"},
                                                     {"diffuse_red", "diffuse_green", "diffuse_blue"},
-                                                    {"color_r", "color_g", "color_b"}}) {
+                                                    {"color_r", "color_g", "color_b"},
+                                                    {"c_r", "c_g", "c_b"},
+                                                    {"ColorR", "ColorG", "ColorB"},
+                                                    {"vertex_red", "vertex_green", "vertex_blue"},
+                                                    {"R8", "G8", "B8"},
+                                                    {"R255", "G255", "B255"},
+                                                    {"r_channel", "g_channel", "b_channel"},
+                                                    {"Rot", "Grün", "Blau"},
+                                                    {"Rouge", "Vert", "Bleu"},
+                                                    {"rojo", "verde", "azul"},
+                                                    {"赤", "緑", "青"}}) {
     const Found found = find(fields_of({"x", "y", "z", blue, green, red}));
     ASSERT_TRUE(found.roles.channels) << red;
     EXPECT_THAT(*found.roles.channels, ElementsAre(5, 4, 3));
@@ -104,6 +114,16 @@ TEST(FieldRoles, ACoordinateIsOneNumberThatOccursOnce) {
   EXPECT_THAT(std::string(find_field_roles(fields, warnings).status().message()), HasSubstr("'y' must be one number"));
   EXPECT_FALSE(find_field_roles(fields_of({"x", "y"}), warnings).ok());
   EXPECT_FALSE(find_field_roles(fields_of({"x", "x", "y", "z"}), warnings).ok());
+}
+
+TEST(FieldRoles, APointHasABoundedNumberOfNumbers) {
+  std::vector<Warning> warnings;
+  std::vector<Field> fields = fields_of({"x", "y", "z", "a", "b"});
+  fields[3].count = fields[4].count = 32000;
+  EXPECT_TRUE(find_field_roles(fields, warnings).ok());
+  fields[4].count = 40000;
+  EXPECT_THAT(std::string(find_field_roles(fields, warnings).status().message()),
+              HasSubstr("a point has more than 65536 numbers, 40000 of them in 'b'"));
 }
 
 TEST(WarningReason, NamesReadBack) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The meaning of the fields of a PCD file, in any order and of any types.
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -49,6 +50,35 @@ TEST(PcdFields, AnyOrderIsReadAndUnknownFieldsAreSkipped) {
   EXPECT_THAT(read.cloud.z, ElementsAre(3.0F, 4.0F));
   EXPECT_FALSE(read.cloud.has_color());
   EXPECT_THAT(read.label, IsEmpty());
+}
+
+/// The bytes as LZF has them that were not compressed: runs of up to 32, each behind its length.
+std::string as_lzf(std::string_view bytes) {
+  constexpr std::size_t kLongestRun = 32;
+  std::string out;
+  for (; !bytes.empty(); bytes.remove_prefix(std::min(kLongestRun, bytes.size()))) {
+    const std::string_view run = bytes.substr(0, kLongestRun);
+    out += static_cast<char>(run.size() - 1);
+    out += run;
+  }
+  return out;
+}
+
+TEST(PcdFields, PaddingMayBeAmongCompressedFieldsOrNot) {
+  std::string planes[3];
+  for (const float x : {1.0F, 2.0F}) put(planes[0], x);
+  planes[1] = std::string(2 * 4, 'p');
+  for (const float value : {3.0F, 4.0F, 5.0F, 6.0F}) put(planes[2], value);
+  for (const bool has_padding : {false, true}) {
+    const std::string body = planes[0] + (has_padding ? planes[1] : "") + planes[2], block = as_lzf(body);
+    std::string file = header("x _ y z", "4 1 4 4", "F U F F", "1 4 1 1", 2, "binary_compressed");
+    put(file, static_cast<std::uint32_t>(block.size()));
+    put(file, static_cast<std::uint32_t>(body.size()));
+    const LabeledCloud read = decode(file + block);
+    EXPECT_THAT(read.cloud.x, ElementsAre(1.0F, 2.0F)) << has_padding;
+    EXPECT_THAT(read.cloud.y, ElementsAre(3.0F, 4.0F)) << has_padding;
+    EXPECT_THAT(read.cloud.z, ElementsAre(5.0F, 6.0F)) << has_padding;
+  }
 }
 
 TEST(PcdFields, PackedFloatIsReinterpretedAndNeverConverted) {

@@ -108,9 +108,13 @@ TEST(PcdMalformed, HeadersBeyondAllReasonAreRefused) {
   expect_fault(decode_pcd(bytes_of(only_newlines), DecodeLimits{}).status(), "not a PCD file");
 }
 
-TEST(PcdMalformed, ALineAsLongAsTheFileIsStopped) {
-  std::string file = "FIELDS x y z _\nSIZE 4 4 4 1\nTYPE F F F U\nCOUNT 1 1 1 1000000\nPOINTS 1\nDATA ascii\n1 2 3";
-  for (int i = 0; i < 1'000'000; ++i) file += " 0";
+TEST(PcdMalformed, LinesOfManyValuesAreStopped) {
+  constexpr int kLines = 2, kPadding = 65'000;  // as many as a point may have
+  std::string file = "FIELDS x y z _\nSIZE 4 4 4 1\nTYPE F F F U\nCOUNT 1 1 1 65000\nPOINTS 2\nDATA ascii";
+  for (int line = 0; line < kLines; ++line) {
+    file += "\n1 2 3";
+    for (int i = 0; i < kPadding; ++i) file += " 0";
+  }
   const std::atomic<bool> cancelled = true;
   WorkMeter meter;
   const auto read = decode_pcd(bytes_of(file), {}, {}, StopToken(&cancelled, std::nullopt, &meter));
@@ -137,6 +141,16 @@ TEST(PcdMalformed, LimitsAreNamed) {
   expect_over_limit(decode_pcd(bytes_of(wide), {.max_bytes = 4000}).status(), "max_bytes",
                     "COUNT 1000 of field 'z' makes one point larger than the limit of 4000 bytes");
   EXPECT_TRUE(decode_pcd(bytes_of(file), {.max_points = 100, .max_bytes = file.size()}).ok());
+}
+
+TEST(PcdMalformed, AFewBytesClaimNoMemory) {
+  for (const char* points : {"0", "1"}) {
+    const std::string file =
+        std::string("VERSION 0.7\nFIELDS x y z f\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1000000000\nWIDTH ") +
+        points + "\nHEIGHT 1\nPOINTS " + points + "\nDATA ascii\n1 2 3\n";
+    expect_fault(decode_pcd(bytes_of(file), {}, {.keep_everything = true}).status(),
+                 "a point has more than 65536 numbers, 1000000000 of them in 'f'");
+  }
 }
 
 TEST(PcdMalformed, ABodyThatDecompressesToMoreThanTheLimitIsRefused) {

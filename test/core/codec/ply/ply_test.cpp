@@ -96,7 +96,7 @@ TEST(PlyRead, TextIsReadAsItIsWrittenWhateverTypeIsClaimed) {
 }
 
 TEST(PlyRead, VerticesMayHaveOtherNames) {
-  for (const std::string_view name : {"vertex", "Vertex", "vertices", "point", "points"}) {
+  for (const std::string_view name : {"vertex", "Vertex", "VERTEX", "vertices", "point", "points"}) {
     const LabeledCloud read =
         decode("ply\nformat ascii 1.0\nelement " + std::string(name) +
                " 2\nproperty float px\nproperty float py\nproperty float pz\nend_header\n1 2 3\n4 5 6\n");
