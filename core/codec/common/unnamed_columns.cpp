@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 namespace segserve::codec {
 namespace {
@@ -12,27 +15,73 @@ namespace {
 using Names = std::array<const char*, 3>;
 constexpr Names kColor{"red", "green", "blue"}, kNormal{"nx", "ny", "nz"};
 
+/// Whether the values are integers, each by one larger than that of the point before it.
+bool counts_rows(const Column& column, std::size_t points, StopCheck& check) {
+  constexpr std::size_t kFewest = 3;
+  if (points < kFewest) return false;
+  bool fits = true;
+  double last = 0;
+  for_each_value(column, points, check, [&](std::size_t i, auto value) {
+    const auto number = static_cast<double>(value);
+    fits = fits && number == std::floor(number) && (i == 0 || number == last + 1);
+    last = number;
+  });
+  return fits;
+}
+
+/// What the values of a column have in common that may be colors packed in one number.
+class PackedColorEvidence {
+ public:
+  void take(double value) {
+    constexpr double kTiny = 1e-37, kHuge = 1e37;  // The bits of a color, as a float, have one of these magnitudes.
+    constexpr double kLargest = std::numeric_limits<std::uint32_t>::max();
+    const double magnitude = std::abs(value);
+    are_bits_ = are_bits_ && !(magnitude >= kTiny && magnitude <= kHuge);
+    are_integers_ = are_integers_ && value >= 0 && value <= kLargest && value == std::floor(value);
+    descends_ = descends_ || value < last_;
+    last_ = value;
+    if (std::isfinite(value)) smallest_ = std::min(smallest_, value), largest_ = std::max(largest_, value);
+  }
+
+  /// Times ascend, and intensities have 16 bits at most.
+  bool are_colors() const {
+    constexpr double kMostIntensity = 65535;
+    const bool are_integers = are_integers_ && largest_ > kMostIntensity && (descends_ || smallest_ == largest_);
+    return are_integers || (are_bits_ && (smallest_ < 0 || largest_ > 0));
+  }
+
+ private:
+  double last_ = -std::numeric_limits<double>::infinity();
+  double smallest_ = std::numeric_limits<double>::infinity(), largest_ = -std::numeric_limits<double>::infinity();
+  bool are_bits_ = true, are_integers_ = true, descends_ = false;
+};
+
 class ColumnNamer {
  public:
-  ColumnNamer(const std::vector<Column>& columns, std::size_t points, StopCheck& check)
-      : columns_(columns), points_(points), check_(check), names_{"x", "y", "z"} {}
+  /// There are so many columns `before` these.
+  ColumnNamer(std::span<const Column> columns, std::size_t before, std::size_t points, StopCheck& check)
+      : columns_(columns), before_(before), points_(points), check_(check), names_{"x", "y", "z"} {}
 
-  std::vector<std::string> run(std::vector<Warning>& warnings) {
+  std::vector<std::string> run() {
     while (left() > 0) take_next();
-    const bool is_plain = columns_.size() <= 4 || columns_.size() == 6 || (columns_.size() == 7 && !is_ambiguous_);
-    if (!is_plain) {
-      warnings.push_back({WarningReason::kOther,
-                          fmt::format("the columns have no names, and are taken as: {}; a first line with their names "
-                                      "tells what they are",
-                                      fmt::join(names_, " "))});
-    }
     return names_;
+  }
+
+  /// Whether the number of the columns alone makes their meaning plain.
+  bool is_plain() const {
+    if (has_packed_) return false;
+    return columns_.size() <= 4 || columns_.size() == 6 || (columns_.size() == 7 && !is_ambiguous_);
   }
 
  private:
   std::size_t left() const { return columns_.size() - names_.size(); }
 
   void take_next() {
+    if (names_.size() == 3 && are_packed_colors(3)) {
+      has_packed_ = true;
+      names_.emplace_back("rgb");
+      return;
+    }
     if (left() >= 3 && !has_normal_ && is_normal(names_.size())) {
       has_normal_ = true;
       return append(kNormal);
@@ -43,17 +92,17 @@ class ColumnNamer {
         return append(kColor);
       }
     }
+    if (color_ > 0 && names_.size() == color_ + 3 && is_alpha(names_.size())) {
+      names_.emplace_back("alpha");
+      return;
+    }
     const bool is_label_last = left() == 1 && color_ > 0 && columns_.size() <= 8 && is_label(names_.size(), color_);
     if (is_label_last) {
       names_.emplace_back("label");
       return;
     }
-    if (color_ > 0 && names_.size() == color_ + 3 && is_full(names_.size())) {
-      names_.emplace_back("alpha");
-      return;
-    }
     const bool is_intensity = names_.size() == 3 && (left() == 1 || left() >= 4);
-    names_.push_back(is_intensity ? "intensity" : fmt::format("column_{}", names_.size() + 1));
+    names_.push_back(is_intensity ? "intensity" : fmt::format("column_{}", before_ + names_.size() + 1));
   }
 
   /// Whether the next column is an intensity in front of colors, although it and the two behind it could be colors.
@@ -67,13 +116,33 @@ class ColumnNamer {
     return !is_label(kLastBlue, kIntensity);
   }
 
+  bool are_packed_colors(std::size_t column) {
+    PackedColorEvidence evidence;
+    for_each_value(columns_[column], points_, check_,
+                   [&evidence](std::size_t, auto value) { evidence.take(static_cast<double>(value)); });
+    return evidence.are_colors();
+  }
+
   /// Whether all values of a column are full intensity.
   bool is_full(std::size_t column) {
+    return are_all(column, [](double value) { return value == 255 || value == 65535; });
+  }
+
+  /// Whether the column behind the colors is full intensity, in the range that they have.
+  bool is_alpha(std::size_t column) {
+    if (is_full(column)) return true;
+    bool are_fractions = are_all(column, [](double value) { return value == 1; });
+    for (std::size_t i = color_; are_fractions && i < color_ + 3; ++i) {
+      are_fractions = are_all(i, [](double value) { return value <= 1; });
+    }
+    return are_fractions;
+  }
+
+  template <typename Predicate>
+  bool are_all(std::size_t column, Predicate fits_one) {
     bool fits = true;
-    for_each_value(columns_[column], points_, check_, [&fits](std::size_t, auto value) {
-      const auto number = static_cast<double>(value);
-      fits = fits && (number == 255 || number == 65535);
-    });
+    for_each_value(columns_[column], points_, check_,
+                   [&](std::size_t, auto value) { fits = fits && fits_one(static_cast<double>(value)); });
     return fits;
   }
 
@@ -81,11 +150,9 @@ class ColumnNamer {
   /// decimals.
   bool is_label(std::size_t column, std::size_t color) {
     constexpr double kMostLabel = 64;
-    bool fits = true, differs = false;
-    for_each_value(columns_[column], points_, check_, [&fits](std::size_t, auto value) {
-      const auto number = static_cast<double>(value);
-      fits = fits && number >= -1 && number <= kMostLabel && number == std::floor(number);
-    });
+    bool differs = false;
+    const bool fits =
+        are_all(column, [](double value) { return value >= -1 && value <= kMostLabel && value == std::floor(value); });
     for (std::size_t i = color; fits && i < color + 3; ++i) {
       for_each_value(columns_[i], points_, check_, [&differs](std::size_t, auto value) {
         const auto number = static_cast<double>(value);
@@ -100,11 +167,8 @@ class ColumnNamer {
   /// Whether the three columns from `first` on are finite, at least 0, and at most 16 bits.
   bool is_color(std::size_t first) {
     bool fits = true;
-    for (std::size_t i = first; i < first + 3; ++i) {
-      for_each_value(columns_[i], points_, check_, [&fits](std::size_t, auto value) {
-        const auto number = static_cast<double>(value);
-        fits = fits && number >= 0 && number <= 65535;
-      });
+    for (std::size_t i = first; fits && i < first + 3; ++i) {
+      fits = are_all(i, [](double value) { return value >= 0 && value <= 65535; });
     }
     return fits;
   }
@@ -126,19 +190,39 @@ class ColumnNamer {
     return unit > 0 && other == 0;
   }
 
-  const std::vector<Column>& columns_;
-  std::size_t points_;
+  std::span<const Column> columns_;
+  std::size_t before_, points_;
   StopCheck& check_;
   std::vector<std::string> names_;
   std::size_t color_ = 0;  // the first of the colors; 0 if there are none so far
-  bool has_normal_ = false, is_ambiguous_ = false;
+  bool has_normal_ = false, has_packed_ = false, is_ambiguous_ = false;
 };
+
+/// Whether the first column has the numbers of the points. Coordinates may count the rows, too, if a triple of colors
+/// or normals follows the three of them.
+bool begins_with_numbers(std::span<const Column> columns, std::size_t points, StopCheck& check) {
+  constexpr std::size_t kTwoTriples = 6;
+  if (!counts_rows(columns[0], points, check)) return false;
+  return columns.size() != kTwoTriples || ColumnNamer(columns, 0, points, check).run().back() == "column_6";
+}
 
 }  // namespace
 
 std::vector<std::string> name_columns(const std::vector<Column>& columns, std::size_t points, StopCheck& check,
-                                      std::vector<Warning>& warnings) {
-  return ColumnNamer(columns, points, check).run(warnings);
+                                      std::vector<Warning>& warnings, bool has_row_numbers) {
+  const std::span<const Column> all = columns;
+  const bool has_numbers = all.size() > 3 && (has_row_numbers || begins_with_numbers(all, points, check));
+  const std::size_t before = has_numbers ? 1 : 0;
+  ColumnNamer namer(all.subspan(before), before, points, check);
+  std::vector<std::string> names = namer.run();
+  if (has_numbers) names.insert(names.begin(), "point_number");
+  if (has_numbers || !namer.is_plain()) {
+    warnings.push_back({WarningReason::kOther,
+                        fmt::format("the columns have no names, and are taken as: {}; a first line with their names "
+                                    "tells what they are",
+                                    fmt::join(names, " "))});
+  }
+  return names;
 }
 
 }  // namespace segserve::codec

@@ -57,6 +57,31 @@ bool is_title(std::string_view line, std::string_view rest) {
   return false;
 }
 
+/// Which columns a line of their numbers is for.
+struct ColumnNumbers {
+  std::size_t count = 0;
+  bool has_row_numbers = false;  ///< an empty cell stands before them
+};
+
+/// Whether a line is one of names that pandas makes up, 0,1,2 and so on, maybe behind an empty cell, and no first
+/// point: the next line has decimals, or the numbers are more than a point would have.
+std::optional<ColumnNumbers> column_numbers(std::string_view line, std::string_view rest) {
+  constexpr std::size_t kMoreThanAPoint = 6, kEnough = std::size_t{1} << 16U;
+  if (line.find_first_of(",;\t|") == std::string_view::npos) return std::nullopt;
+  std::vector<std::string_view> cells = split_cells(line, separator_of(line), kMostHeaderFields + 1);
+  const bool has_empty_cell = !cells.empty() && cells[0].empty();
+  if (has_empty_cell) cells.erase(cells.begin());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (parse_count(cells[i]) != i) return std::nullopt;
+  }
+  if (cells.size() < 3) return std::nullopt;
+  const auto next = LineReader(rest.substr(0, kEnough)).next();
+  const std::size_t first = next ? next->text.find_first_not_of("0123456789+-,;| \t\r\"") : std::string_view::npos;
+  const bool has_decimals = first != std::string_view::npos && (next->text[first] == '.' || next->text[first] == 'e');
+  if (!has_decimals && cells.size() < kMoreThanAPoint) return std::nullopt;
+  return ColumnNumbers{cells.size(), has_empty_cell || line.front() == '\t'};
+}
+
 /// Walks over the lines above the first row.
 class StartFinder {
  public:
@@ -71,6 +96,9 @@ class StartFinder {
       } else if (is_count(line->text)) {
         if (start_.count) return fault("it begins with two counts, as PTX does; save it as PTS or PLY");
         start_.count = parse_count(split_words(line->text)[0]);
+      } else if (const auto numbers = column_numbers_above_rows(line->text)) {
+        start_.column_numbers = numbers->count;
+        start_.has_row_numbers = numbers->has_row_numbers;
       } else if (named_row(names_, line->text) || is_row_without_names(line->text)) {
         start_.offset = offset;
         start_.line = line->number;
@@ -89,6 +117,11 @@ class StartFinder {
   }
 
  private:
+  std::optional<ColumnNumbers> column_numbers_above_rows(std::string_view line) const {
+    if (!names_.names.empty() || start_.column_numbers > 0) return std::nullopt;
+    return column_numbers(line, file_.substr(lines_.offset()));
+  }
+
   void take_comment(std::string_view comment) {
     if (const auto view = stated_view(comment)) {
       start_.stated_view = view;

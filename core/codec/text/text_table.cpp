@@ -34,7 +34,7 @@ std::vector<std::string> names_of(const TextStart& start, const TextRows& rows, 
   std::vector<Column> columns;
   const std::size_t readable = rows.unreadable().empty() ? start.columns : rows.unreadable().begin()->first;
   for (std::size_t i = 0; i < readable; ++i) columns.push_back(rows.column(i));
-  std::vector<std::string> names = name_columns(columns, rows.points(), check, warnings);
+  std::vector<std::string> names = name_columns(columns, rows.points(), check, warnings, start.has_row_numbers);
   for (std::size_t i = names.size(); i < start.columns; ++i) names.push_back(fmt::format("column_{}", i + 1));
   return names;
 }
@@ -82,6 +82,11 @@ absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes,
     out.warnings.push_back({WarningReason::kRowsNotUsed,
                             fmt::format("{} line{} of words above the names of the columns {} not used", start.titles,
                                         start.titles == 1 ? "" : "s", start.titles == 1 ? "is" : "are")});
+  }
+  if (start.column_numbers > 0) {
+    out.warnings.push_back({WarningReason::kRowsNotUsed,
+                            fmt::format("the line 0 to {} above the rows is taken as the numbers of the columns",
+                                        start.column_numbers - 1)});
   }
   const std::vector<std::string> names = names_of(start, rows, check, out.warnings);
   RETURN_IF_ERROR(check.status());

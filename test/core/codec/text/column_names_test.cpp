@@ -17,11 +17,27 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST(TextTable, CoordinatesHaveNamesOfManyKinds) {
-  for (const std::string_view names :
-       {"x,y,z", "X,Y,Z", "x_m,y_m,z_m", "pos_x,pos_y,pos_z", "position.x,position.y,position.z", "px,py,pz",
-        "X Coord,Y Coord,Z Coord", "x_coordinate,y_coordinate,z_coordinate", "field.x,field.y,field.z",
-        "xyz[0],xyz[1],xyz[2]", "xyz_0,xyz_1,xyz_2", "Points:0,Points:1,Points:2", "Easting,Northing,Elevation",
-        "E,N,Z", "X (m),Y (m),Z (m)"}) {
+  for (const std::string_view names : {"x,y,z",
+                                       "X,Y,Z",
+                                       "x_m,y_m,z_m",
+                                       "pos_x,pos_y,pos_z",
+                                       "position.x,position.y,position.z",
+                                       "px,py,pz",
+                                       "X Coord,Y Coord,Z Coord",
+                                       "x_coordinate,y_coordinate,z_coordinate",
+                                       "field.x,field.y,field.z",
+                                       "xyz[0],xyz[1],xyz[2]",
+                                       "xyz_0,xyz_1,xyz_2",
+                                       "Points:0,Points:1,Points:2",
+                                       "Easting,Northing,Elevation",
+                                       "E,N,Z",
+                                       "X (m),Y (m),Z (m)",
+                                       "Points_0,Points_1,Points_2",
+                                       "PosX,PosY,PosZ",
+                                       "lidar_x,lidar_y,lidar_z",
+                                       "East,North,Up",
+                                       "X/m,Y/m,Z/m",
+                                       "x in m,y in m,z in m"}) {
     const LabeledCloud cloud = read_table(std::string(names) + "\n1,2,3\n4,5,6\n");
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << names;
     EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << names;
@@ -41,6 +57,8 @@ TEST(TextTable, AUnitBesideOrBelowTheNamesIsTaken) {
                                          {"x_mm,y_mm,z_mm\n", 0.001},
                                          {"pos_x_cm,pos_y_cm,pos_z_cm\n", 0.01},
                                          {"x (feet),y (feet),z (feet)\n", 0.3048},
+                                         {"X/mm;Y/mm;Z/mm\n", 0.001},
+                                         {"x in inches,y in inches,z in inches\n", 0.0254},
                                          {"x,y,z\nmm,mm,mm\n", 0.001},
                                          {"x,y,z\n[cm],[cm],[cm]\n", 0.01},
                                          {"x,y,z\n----,----,----\n", 1},
@@ -157,6 +175,54 @@ TEST(TextTable, ALastColumnOfSmallIntegersBehindColorsIsALabel) {
   const LabeledCloud two = read_table("1 2 3 150 110 70 4 0\n");
   EXPECT_THAT(two.warnings[0].message, HasSubstr("x y z red green blue column_7"));
   EXPECT_THAT(read_table("1 2 3 3 150 110 70\n").warnings[0].message, HasSubstr("x y z intensity red green blue;"));
+}
+
+TEST(TextTable, ALineThatNumbersTheColumnsIsNoPoint) {
+  const LabeledCloud table = read_table("0,1,2,3,4,5\n1.5,2,3,40,50,60\n4.5,5,6,70,80,90\n");
+  EXPECT_THAT(table.cloud.x, ElementsAre(1.5F, 4.5F));
+  EXPECT_TRUE(table.cloud.has_color());
+  ASSERT_EQ(table.warnings.size(), 1U);
+  EXPECT_EQ(table.warnings[0].message, "the line 0 to 5 above the rows is taken as the numbers of the columns");
+  for (const std::string_view file :
+       {",0,1,2\n17,1.5,2,3\n4,4.5,5,6\n9,7.5,8,9\n", "\t0\t1\t2\n17\t1.5\t2\t3\n4\t4.5\t5\t6\n"}) {
+    const LabeledCloud with_index = read_table(file);
+    EXPECT_EQ(with_index.cloud.x[0], 1.5F) << file;
+    EXPECT_THAT(attributes_of(with_index), ElementsAre("point_number")) << file;
+  }
+  EXPECT_EQ(read_table("0,1,2\n3,4,5\n").cloud.size(), 2U) << "so may points be";
+  EXPECT_EQ(read_table("0 1 2\n3.5 4 5\n").cloud.size(), 2U);
+  EXPECT_EQ(read_table("0,1,3\n3.5,4,5\n").cloud.size(), 2U);
+}
+
+TEST(TextTable, AFirstColumnThatCountsTheRowsIsNoCoordinate) {
+  for (const std::string_view file :
+       {"1,10.5,2,3\n2,20.5,2,3\n3,30.5,2,3\n", "7 10.5 2 3 1 2 3\n8 20.5 2 3 4 5 6\n9 30.5 2 3 0 0 9\n",
+        "101;10.5;2;3;GND\n102;20.5;2;3;GND\n103;30.5;2;3;GND\n"}) {
+    const LabeledCloud table = read_table(file);
+    EXPECT_THAT(table.cloud.x, ElementsAre(10.5F, 20.5F, 30.5F)) << file;
+    EXPECT_EQ(attributes_of(table).at(0), "point_number");
+    EXPECT_THAT(table.warnings.at(0).message, HasSubstr("are taken as: point_number x y z")) << file;
+  }
+  EXPECT_THAT(read_table("1 2 3\n2 3 4\n3 4 5\n").cloud.x, ElementsAre(1, 2, 3)) << "x y z are needed";
+  EXPECT_THAT(read_table("1 2 3 4\n2 3 4 4\n4 4 5 4\n").cloud.x, ElementsAre(1, 2, 4));
+}
+
+TEST(TextTable, AFourthColumnMayBePackedColors) {
+  for (const std::string_view file : {"1 2 3 1056816\n1 3 3 255\n", "1 2 3 4279246896\n1 3 3 4278190335\n",
+                                      "1 2 3 1.4809147e-39\n1 3 3 3.5733111e-43\n"}) {
+    const LabeledCloud table = read_table(file);
+    EXPECT_THAT(table.cloud.rgb, ElementsAre(0x102030U, 255U)) << file;
+    EXPECT_THAT(table.warnings.at(0).message, HasSubstr("are taken as: x y z rgb")) << file;
+  }
+  EXPECT_THAT(attributes_of(read_table("1 2 3 70000\n1 3 3 70010\n")), ElementsAre("intensity")) << "as times do";
+  EXPECT_THAT(attributes_of(read_table("1 2 3 65535\n1 3 3 0\n")), ElementsAre("intensity"));
+}
+
+TEST(TextTable, AnAlphaHasTheRangeOfItsColors) {
+  const LabeledCloud table = read_table("1 2 3 0.1 0.2 1 1.0\n1 2 4 0.3 0.2 0 1.0\n");
+  EXPECT_TRUE(table.cloud.has_color());
+  EXPECT_TRUE(table.label.empty());
+  EXPECT_THAT(attributes_of(table), ElementsAre("alpha"));
 }
 
 }  // namespace
