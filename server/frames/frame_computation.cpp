@@ -73,12 +73,21 @@ std::optional<std::uint64_t> excess(const absl::Status& status, const std::strin
   return absl::SimpleAtoi(actual->second, &value) ? std::optional(value) : std::nullopt;
 }
 
+/// The limit to try after `tried`, which was exceeded by a payload that needs at least `needed`. It grows by a factor,
+/// because the payload may not tell more than the first byte beyond the limit, and the payload is decoded anew for
+/// each: all attempts together cost a few times the last one. It takes no more than what fits unless more is needed,
+/// which the memory then refuses.
+std::uint64_t next_limit(std::uint64_t tried, std::uint64_t needed, std::uint64_t fitting) {
+  const std::uint64_t larger = tried <= fitting / 4 ? 2 * tried : tried + tried / 2;
+  return std::max(needed, std::min(larger, fitting));
+}
+
 /// Decodes within the memory that it has leased. A payload may be larger than it seemed, such as a compressed PCD file
 /// of which the request does not tell the number of points: it is decoded again with what it turned out to need, or
-/// with twice as much if that fits, so that few attempts are needed.
+/// with more if that fits, so that few attempts are needed.
 absl::StatusOr<wire::DecodedCloud> decode_within(const DecodePayload& decode, const FrameSettings& settings,
                                                  const StopToken& stop, FrameMemory& memory) {
-  constexpr std::uint64_t kScratchPerPoint = 32, kLeastPoints = 4096;
+  constexpr std::uint64_t kScratchPerPoint = 32, kBytesPerPoint = 48, kLeastPoints = 4096;
   const codec::DecodeLimits& most = settings.decode_limits;
   codec::DecodeLimits limits = most;
   limits.max_points = std::min(most.max_points, std::max(kLeastPoints, settings.estimated_points));
@@ -89,12 +98,12 @@ absl::StatusOr<wire::DecodedCloud> decode_within(const DecodePayload& decode, co
     if (decoded.ok()) return decoded;
     const auto points = excess(decoded.status(), "max_points"), bytes = excess(decoded.status(), "max_decoded_bytes");
     if (points && limits.max_points < most.max_points) {
-      const std::uint64_t fitting = memory.most_bytes() / (2 * kScratchPerPoint);
-      limits.max_points = std::min(most.max_points, std::max(*points, std::min(fitting, 2 * limits.max_points)));
+      const std::uint64_t fitting = memory.most_scratch_bytes(0) / kBytesPerPoint;
+      limits.max_points = std::min(most.max_points, next_limit(limits.max_points, *points, fitting));
       limits.max_bytes = std::min(most.max_bytes, std::max(limits.max_bytes, kScratchPerPoint * limits.max_points));
     } else if (bytes && limits.max_bytes < most.max_bytes) {
-      const std::uint64_t fitting = memory.most_bytes() / 2;
-      limits.max_bytes = std::min(most.max_bytes, std::max(*bytes, std::min(fitting, 2 * limits.max_bytes)));
+      const std::uint64_t fitting = memory.most_scratch_bytes(limits.max_points);
+      limits.max_bytes = std::min(most.max_bytes, next_limit(limits.max_bytes, *bytes, fitting));
     } else {
       return decoded;
     }

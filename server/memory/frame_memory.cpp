@@ -43,8 +43,10 @@ absl::Status in_use_by_others() {
 
 }  // namespace
 
-std::uint64_t FrameMemory::most_bytes() const {
-  return ledger_ == nullptr ? std::numeric_limits<std::uint64_t>::max() : ledger_->budget();
+std::uint64_t FrameMemory::most_scratch_bytes(std::uint64_t points) const {
+  if (ledger_ == nullptr) return std::numeric_limits<std::uint64_t>::max();
+  const std::uint64_t others = payload_bytes_ + kCloudBytesPerPoint * points;
+  return ledger_->budget() - std::min(ledger_->budget(), others);
 }
 
 absl::Status FrameMemory::check_budget(std::uint64_t bytes) const {

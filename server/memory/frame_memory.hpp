@@ -35,8 +35,8 @@ class FrameMemory {
   void keep_result(std::uint64_t bytes);
 
   std::uint64_t bytes() const { return lease_.bytes(); }
-  /// The most that it can ever hold.
-  std::uint64_t most_bytes() const;
+  /// The most that `decode` can ever lease for the codec beside so many points.
+  std::uint64_t most_scratch_bytes(std::uint64_t points) const;
 
  private:
   absl::Status check_budget(std::uint64_t bytes) const;

@@ -33,15 +33,16 @@ absl::Status damage(std::string_view name, std::string_view words) {
   return absl::InvalidArgumentError(fmt::format("{}: {}", name, words));
 }
 
-/// Bytes that grow piece by piece up to a limit.
+/// Bytes that grow piece by piece up to a limit. The system moves large blocks by their addresses, and gives no memory
+/// to what has not been written, so that they never take more than they are.
 class Output {
  public:
   Output(std::string_view name, const DecodeLimits& limits) : name_(name), limits_(limits) {}
 
   /// Room for the next piece, behind what is there.
-  std::span<std::byte> room() {
-    if (bytes_.size() - used_ < kPiece) bytes_.resize(std::max(used_ + kPiece, used_ + used_ / 2));
-    return std::span(bytes_).subspan(used_, kPiece);
+  absl::StatusOr<std::span<std::byte>> room() {
+    if (capacity_ - used_ < kPiece) RETURN_IF_ERROR(grow(std::max(used_ + kPiece, used_ + used_ / 2)));
+    return std::span(memory_.get() + used_, kPiece);
   }
   absl::Status take(std::size_t bytes, StopCheck& check) {
     used_ += bytes;
@@ -50,16 +51,22 @@ class Output {
     return over_limit(fmt::format("{}: it decompresses to more bytes than the limit of {}", name_, limits_.max_bytes),
                       {"max_bytes", used_, limits_.max_bytes});
   }
-  std::vector<std::byte> finish() {
-    bytes_.resize(used_);
-    return std::move(bytes_);
-  }
+  DecompressedBytes finish() { return {std::move(memory_), used_}; }
 
  private:
+  absl::Status grow(std::size_t capacity) {
+    void* const grown = std::realloc(memory_.get(), capacity);  // NOLINT(*-no-malloc, *-owning-memory)
+    if (grown == nullptr) return absl::ResourceExhaustedError(fmt::format("{}: there is no memory", name_));
+    (void)memory_.release();  // The block is another one now.
+    memory_.reset(static_cast<std::byte*>(grown));
+    capacity_ = capacity;
+    return absl::OkStatus();
+  }
+
   std::string_view name_;
   const DecodeLimits& limits_;
-  std::vector<std::byte> bytes_;
-  std::size_t used_ = 0;
+  DecompressedBytes::Memory memory_;
+  std::size_t capacity_ = 0, used_ = 0;
 };
 
 /// A stream of zlib, which takes pieces of less than 4 GiB.
@@ -102,14 +109,15 @@ void warn_of_rest(std::string_view name, std::span<const std::byte> rest, std::v
       {WarningReason::kRowsNotUsed, fmt::format("{} bytes behind the {} data are not used", rest.size(), name)});
 }
 
-absl::StatusOr<std::vector<std::byte>> gunzip(std::span<const std::byte> rest, const DecodeLimits& limits,
-                                              StopCheck& check, std::vector<Warning>& warnings) {
+absl::StatusOr<DecompressedBytes> gunzip(std::span<const std::byte> rest, const DecodeLimits& limits, StopCheck& check,
+                                         std::vector<Warning>& warnings) {
   constexpr int kGzipWindow = 16 + MAX_WBITS;
   Inflater inflater(kGzipWindow);
   if (!inflater.ready()) return absl::ResourceExhaustedError("gzip: there is no memory");
   Output out("gzip", limits);
   while (true) {
-    const Inflater::Step step = inflater.run(rest, out.room());
+    ASSIGN_OR_RETURN(const std::span<std::byte> room, out.room());
+    const Inflater::Step step = inflater.run(rest, room);
     rest = rest.subspan(step.read);
     RETURN_IF_ERROR(out.take(step.written, check));
     if (step.result == Z_STREAM_END) {
@@ -127,8 +135,8 @@ struct FreeContext {
   void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-absl::StatusOr<std::vector<std::byte>> unzstd(std::span<const std::byte> file, const DecodeLimits& limits,
-                                              StopCheck& check, std::vector<Warning>& warnings) {
+absl::StatusOr<DecompressedBytes> unzstd(std::span<const std::byte> file, const DecodeLimits& limits, StopCheck& check,
+                                         std::vector<Warning>& warnings) {
   constexpr int kMostWindowLog = 27;  // 128 MiB, as the program zstd accepts
   const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
   if (!context) return absl::ResourceExhaustedError("zstd: there is no memory");
@@ -136,7 +144,7 @@ absl::StatusOr<std::vector<std::byte>> unzstd(std::span<const std::byte> file, c
   Output out("zstd", limits);
   ZSTD_inBuffer in{file.data(), file.size(), 0};
   while (true) {
-    const std::span<std::byte> room = out.room();
+    ASSIGN_OR_RETURN(const std::span<std::byte> room, out.room());
     ZSTD_outBuffer piece{room.data(), room.size(), 0};
     const std::size_t before = in.pos, hint = ZSTD_decompressStream(context.get(), &piece, &in);
     if (ZSTD_isError(hint) != 0U) return damage("zstd", ZSTD_getErrorName(hint));
@@ -159,9 +167,9 @@ std::optional<Compression> compression_of(std::string_view file) {
   return std::nullopt;
 }
 
-absl::StatusOr<std::vector<std::byte>> decompress(std::span<const std::byte> file, Compression compression,
-                                                  const DecodeLimits& limits, StopCheck& check,
-                                                  std::vector<Warning>& warnings) {
+absl::StatusOr<DecompressedBytes> decompress(std::span<const std::byte> file, Compression compression,
+                                             const DecodeLimits& limits, StopCheck& check,
+                                             std::vector<Warning>& warnings) {
   return compression == Compression::kGzip ? gunzip(file, limits, check, warnings)
                                            : unzstd(file, limits, check, warnings);
 }

@@ -20,6 +20,7 @@
 #include "core/base/status_text.hpp"
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/compressed_file.hpp"
+#include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/file/known_formats.hpp"
 #include "core/codec/las/las.hpp"
@@ -134,6 +135,19 @@ absl::StatusOr<LabeledCloud> decode_plain(std::span<const std::byte> bytes, cons
   return cloud;
 }
 
+/// Decodes what was decompressed. It is in memory beside what is made of it, so that both count towards the limit.
+absl::StatusOr<LabeledCloud> decode_decompressed(std::span<const std::byte> bytes, const DecodeLimits& limits,
+                                                 const ReadOptions& options, const StopToken& stop) {
+  DecodeLimits rest = limits;
+  rest.max_bytes = limits.max_bytes - bytes.size();
+  auto cloud = decode_plain(bytes, rest, options, stop);
+  const auto excess = limit_excess(cloud.status());
+  if (!excess || excess->limit != "max_bytes") return cloud;
+  return over_limit(fmt::format("{}; its {} decompressed bytes count, too, towards the limit of {}",
+                                message_of(cloud.status()), bytes.size(), limits.max_bytes),
+                    {"max_bytes", saturating_sum(excess->actual, bytes.size()), limits.max_bytes});
+}
+
 }  // namespace
 
 absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, const DecodeLimits& limits,
@@ -143,7 +157,7 @@ absl::StatusOr<LabeledCloud> decode_cloud(std::span<const std::byte> bytes, cons
   StopCheck check(stop);
   std::vector<Warning> warnings;
   ASSIGN_OR_RETURN(const auto content, decompress(bytes, *compression, limits, check, warnings));
-  ASSIGN_OR_RETURN(LabeledCloud out, decode_plain(content, limits, options, stop));
+  ASSIGN_OR_RETURN(LabeledCloud out, decode_decompressed(content.bytes(), limits, options, stop));
   out.warnings.insert(out.warnings.begin(), warnings.begin(), warnings.end());
   out.format += *compression == Compression::kGzip ? ", gzip" : ", zstd";
   return out;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -29,15 +30,34 @@ bool is_digits(std::string_view word) {
 
 }  // namespace
 
+/// Counts the rows and reserves memory for them, because memory that grows as they are read is there twice at times.
+absl::Status TextRows::make_room(std::string_view rows, StopCheck& check) {
+  std::uint64_t count = 0;
+  LineReader lines(rows);
+  while (const auto line = lines.next()) {
+    if (check.after(1)) return check.status();
+    if (!is_blank(line->text) && !text_comment(line->text) && !block_count(line->text)) ++count;
+  }
+  RETURN_IF_ERROR(check_points(kPrefix, count, limits_));
+  RETURN_IF_ERROR(check_decoded_points(kPrefix, count, start_.columns * sizeof(double), limits_));
+  // A line too short for its columns is a fault, and no reason to reserve much.
+  values_.reserve(static_cast<std::size_t>(std::min(count * start_.columns, most_values(rows.size()))));
+  return absl::OkStatus();
+}
+
 absl::Status TextRows::read(std::string_view file, StopCheck& check) {
-  LineReader lines(file.substr(start_.offset), start_.line);
+  const std::string_view rows = file.substr(start_.offset);
+  RETURN_IF_ERROR(make_room(rows, check));
+  LineReader lines(rows, start_.line);
   while (const auto line = lines.next()) {
     if (check.after(start_.columns)) return check.status();
     if (is_blank(line->text) || text_comment(line->text)) continue;
-    if (start_.count && is_block_count(line->text)) continue;
+    if (const auto count = block_count(line->text)) {
+      promised_ = saturating_sum(promised_, *count);
+      continue;
+    }
     RETURN_IF_ERROR(read_row(*line));
     ++points_;
-    RETURN_IF_ERROR(check_points(kPrefix, points_, limits_));
     const std::size_t bytes = start_.columns * sizeof(double) + integers_.size() * sizeof(std::uint64_t);
     RETURN_IF_ERROR(check_decoded_points(kPrefix, points_, bytes, limits_));
   }
@@ -54,13 +74,11 @@ Column TextRows::column(std::size_t i) const {
           ScalarType::kFloat64};
 }
 
-/// A line with one count begins another block of PTS.
-bool TextRows::is_block_count(std::string_view line) {
-  const std::string_view word = take_word(line);
-  const auto count = parse_count(word);
-  if (!count || !is_blank(line)) return false;
-  promised_ = saturating_sum(promised_, *count);
-  return true;
+/// The count in a line that begins another block of PTS; nullopt for other lines.
+std::optional<std::uint64_t> TextRows::block_count(std::string_view line) const {
+  if (!start_.count) return std::nullopt;
+  const auto count = parse_count(take_word(line));
+  return is_blank(line) ? count : std::nullopt;
 }
 
 std::string TextRows::name_of(std::size_t column) const {
@@ -132,6 +150,7 @@ void TextRows::keep_integer(std::size_t column, std::string_view cell, double va
 /// The values of a column up to here; nullopt if one of them is no integer.
 std::optional<TextRows::Integers> TextRows::integers_so_far(std::size_t column) const {
   Integers integers;
+  integers.bits.reserve(values_.capacity() / start_.columns);
   for (std::size_t point = 0; point < points_; ++point) {
     const double value = values_[point * start_.columns + column];
     if (!(std::abs(value) < kExactIntegers) || value != std::trunc(value)) return std::nullopt;

@@ -40,7 +40,8 @@ class TextRows {
   Column column(std::size_t i) const;
 
  private:
-  bool is_block_count(std::string_view line);
+  absl::Status make_room(std::string_view rows, StopCheck& check);
+  std::optional<std::uint64_t> block_count(std::string_view line) const;
   std::string name_of(std::size_t column) const;
   absl::Status read_row(const LineReader::Line& line);
   absl::Status take_word_without_number(std::size_t line, std::string_view cell, std::size_t column);

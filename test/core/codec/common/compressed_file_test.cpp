@@ -78,6 +78,16 @@ TEST(CompressedFile, BombsAndNestingAreRefused) {
   }
 }
 
+TEST(CompressedFile, WhatWasDecompressedCountsTowardsTheLimit) {
+  std::string rows;
+  for (int i = 0; i < 1000; ++i) rows += "0 0 1\n";  // 6000 bytes become 3 doubles each.
+  const std::string file = zstd(rows);
+  EXPECT_TRUE(decode_cloud(bytes_of(file), {.max_bytes = 30'000}).ok());
+  const absl::Status status = decode_cloud(bytes_of(file), {.max_bytes = 29'999}).status();
+  expect_over_limit(status, "max_bytes", "its 6000 decompressed bytes count, too, towards the limit of 29999");
+  EXPECT_EQ(limit_excess(status)->actual, 30'000U);
+}
+
 TEST(CompressedFile, DamageIsRefused) {
   std::string rows;
   for (int i = 0; i < 40; ++i) rows += std::to_string(i) + " 2 3\n";
