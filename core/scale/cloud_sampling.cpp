@@ -66,6 +66,7 @@ class SamplingEstimate {
     CloudSampling sampling;
     sampling.extent = extent();
     if (sampling.extent <= 0) return {};
+    if (sampling.extent <= edge) return sampling;  // No larger voxels would have more neighbors.
     choose_blocks(sampling.extent, edge);
     gather_sample();
     if (sample_.size() < kFewestPoints || check_.stopped()) return sampling;

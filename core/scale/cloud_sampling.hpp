@@ -11,7 +11,7 @@ struct CloudSampling {
   /// The smallest edge of voxels, meters, not below the one that was asked for, at which surfaces hold together: 95 %
   /// of the points lie in voxels with at least five occupied neighbors of 26, and 88 % in voxels without a gap of one
   /// empty layer beside them. Points at 4.5 different places of a voxel, in the mean, are enough as well. 0 if there
-  /// are too few points to tell.
+  /// are too few points to tell, or if the extent is within the edge that was asked for.
   double connected_edge = 0;
   /// The standard deviation of the points, meters, about the planes that fit them within five such voxels. It is the
   /// 40th percentile, because surfaces that are not flat have larger ones. 0 if there are too few points to tell.

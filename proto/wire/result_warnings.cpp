@@ -14,6 +14,14 @@ namespace {
 /// The field that tells lengths. Its name is the same in the API, in HTTP and, with dashes, on the command line.
 constexpr std::string_view kUnit = "the unit of the coordinates (unit, or depth_scale of a depth image)";
 
+/// Whether the points lie in so few voxels that they can hardly be a scene.
+bool is_too_dense(const Segmentation& segmentation) {
+  constexpr std::size_t kFewVoxels = 100, kManyPoints = 1000;
+  constexpr std::size_t kHandful = 8, kEnoughPoints = 64;
+  const std::size_t points = segmentation.segmented_points, voxels = segmentation.voxels;
+  return (points >= kManyPoints && voxels < kFewVoxels) || (points >= kEnoughPoints && voxels < kHandful);
+}
+
 std::string too_sparse(const Segmentation& segmentation, const Resolution& used) {
   constexpr double kLargest = 1;  // meters; larger voxels cannot be asked for
   const double fitting = *segmentation.fitting_resolution;
@@ -69,16 +77,16 @@ std::vector<codec::Warning> warnings_of(const Segmentation& segmentation, ViewKi
   if (!segmentation.unfit_preset.empty()) {
     warnings.push_back({WarningReason::kPresetNotFit, std::string(segmentation.unfit_preset)});
   }
-  constexpr std::size_t kFewVoxels = 100, kManyPoints = 1000;
   const Resolution& used = segmentation.resolution;
   if (segmentation.segmented_points == 0) {
     warnings.push_back({WarningReason::kNoPoints,
                         "no point was segmented: all of them are not finite, no measurements, or outside the crop box "
                         "or the range"});
-  } else if (segmentation.segmented_points >= kManyPoints && segmentation.voxels < kFewVoxels) {
+  } else if (is_too_dense(segmentation)) {
     warnings.push_back({WarningReason::kTooDense,
-                        fmt::format("{} points lie in {} voxels: {} or voxel_resolution ({:g} m) is probably wrong",
-                                    segmentation.segmented_points, segmentation.voxels, kUnit, used.voxel)});
+                        fmt::format("{} points lie in {} voxel{}: {} or voxel_resolution ({:g} m) is probably wrong",
+                                    segmentation.segmented_points, segmentation.voxels,
+                                    segmentation.voxels == 1 ? "" : "s", kUnit, used.voxel)});
   } else if (segmentation.fitting_resolution) {
     warnings.push_back({WarningReason::kTooSparse, too_sparse(segmentation, used)});
   } else if (view == ViewKind::kCamera) {

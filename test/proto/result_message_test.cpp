@@ -141,6 +141,10 @@ TEST(WireResult, TellsWhatIsProbablyWrong) {
   EXPECT_THAT(reasons(odd), testing::Contains(WarningReason::kPresetNotFit));
   good.voxels = 3;
   EXPECT_THAT(reasons(good), testing::ElementsAre(WarningReason::kTooDense));
+  good.segmented_points = 64;
+  EXPECT_THAT(reasons(good), testing::ElementsAre(WarningReason::kTooDense));
+  good.segmented_points = 63;
+  EXPECT_THAT(reasons(good), testing::IsEmpty());
   EXPECT_THAT(reasons(Segmentation()), testing::ElementsAre(WarningReason::kNoPoints));
 }
 

@@ -40,6 +40,27 @@ void read_axis(const Column& column, double scale, double offset, StopCheck& che
   }
 }
 
+/// Warns of points with coordinates that are finite in the file, and beyond what a float holds.
+void warn_of_overflow(const std::array<Column, 3>& columns, const Planes& planes, StopCheck& check,
+                      std::vector<Warning>& warnings) {
+  std::vector<bool> is_beyond;
+  std::size_t count = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (columns[axis].type != ScalarType::kFloat64) continue;
+    const std::vector<float>& plane = *planes[axis];
+    for_each_value(columns[axis], plane.size(), check, [&](std::size_t i, auto value) {
+      if (!std::isinf(plane[i]) || !std::isfinite(static_cast<double>(value))) return;
+      is_beyond.resize(plane.size());
+      count += is_beyond[i] ? 0 : 1;
+      is_beyond[i] = true;
+    });
+  }
+  if (count == 0) return;
+  warnings.push_back(
+      {WarningReason::kPointsNotUsed, fmt::format("{} point{} beyond 3e38 m, which no float holds, {} not used", count,
+                                                  count == 1 ? "" : "s", count == 1 ? "is" : "are")});
+}
+
 /// Whether any coordinate of the plane is finite and far from 0.
 bool reaches_far(const std::vector<float>& plane, StopCheck& check) {
   constexpr float kLargest = std::numeric_limits<float>::max();
@@ -159,6 +180,7 @@ absl::Status read_positions(const std::array<Column, 3>& columns, bool are_float
     }
     if (!placement.offset.isZero(0)) warn_of_rounding(columns, scale, check, out);
   }
+  warn_of_overflow(columns, planes, check, out.warnings);
   const bool is_at_origin = choice.sensor && choice.sensor->isZero(0);
   if (is_at_origin) drop_zeros(check, out);
   if (options.keep_everything) keep_position(columns, are_floats, check, out);

@@ -197,6 +197,15 @@ TEST(ScaleChoice, SaysSoWhereTheLargestVoxelsAreTooSmall) {
   EXPECT_EQ(segment(sheet(100, 0.05), {})->fitting_resolution, std::nullopt);
 }
 
+TEST(ScaleChoice, ACloudSmallerThanAVoxelGetsTheFinestOnes) {
+  for (const int n : {10, 30, 100}) {
+    const ChosenScale speck = chosen(sheet(n, 1e-5));
+    EXPECT_EQ(speck.scale.voxel, 0.001);
+    EXPECT_EQ(speck.reason, ResolutionReason::kExtent);
+    EXPECT_EQ(speck.fitting_voxel, 0) << "no larger ones would be better";
+  }
+}
+
 TEST(ScaleChoice, NumbersFixIt) {
   const Cloud cloud = sheet(150, 0.05);
   const ChosenScale both = chosen(cloud, {.voxel_resolution = 0.01, .seed_resolution = 0.03});

@@ -68,6 +68,14 @@ TEST(PointPositions, NumbersBeyondTheEarthMoveNothing) {
   EXPECT_TRUE(read<float>({{{1e30F}, {0}, {0}}}, ScalarType::kFloat32).placement.is_identity());
 }
 
+TEST(PointPositions, DoublesThatNoFloatHoldsAreMentioned) {
+  const std::array<std::vector<double>, 3> axes{std::vector<double>{1e300, 1, NAN}, {-1e300, 2, 0}, {0, 3, 0}};
+  const LabeledCloud cloud = read(axes, ScalarType::kFloat64);
+  ASSERT_EQ(cloud.warnings.size(), 1U);
+  EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kPointsNotUsed);
+  EXPECT_EQ(cloud.warnings[0].message, "1 point beyond 3e38 m, which no float holds, is not used");
+}
+
 TEST(PointPositions, UnitsBecomeMeters) {
   const std::array<std::vector<std::int16_t>, 3> axes{std::vector<std::int16_t>{1000, 2000}, {0, 500}, {-250, 0}};
   const LabeledCloud millimeters =
