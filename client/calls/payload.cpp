@@ -62,7 +62,7 @@ absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const 
   return Payload(std::make_shared<const PayloadData>(std::move(data)));
 }
 
-Payload pcd_payload(std::string file_bytes, std::optional<View> view, codec::LengthUnit unit) {
+Payload pcd_payload(std::string file_bytes, std::optional<View> view, std::optional<codec::LengthUnit> unit) {
   return make_payload(wire::to_pcd_message(std::move(file_bytes), std::move(view), unit));
 }
 

@@ -81,9 +81,7 @@ Json attributes_json(const codec::LabeledCloud& scene) {
 /// The unit that the coordinates are taken in, and the one that their spacing makes plain.
 Json unit_json(const codec::LabeledCloud& scene) {
   Json json{{"taken", Json()}, {"guess", Json()}, {"why", Json()}};
-  for (const codec::LengthUnit unit : codec::length_units()) {
-    if (codec::meters_per_unit(unit) == scene.placement.meters_per_unit()) json["taken"] = name(unit);
-  }
+  if (const auto unit = codec::length_unit_of(scene.placement.meters_per_unit())) json["taken"] = name(*unit);
   Cloud in_file_unit = scene.cloud;
   for (std::vector<float>* axis : {&in_file_unit.x, &in_file_unit.y, &in_file_unit.z}) {
     for (float& v : *axis) v = static_cast<float>(v / scene.placement.meters_per_unit());

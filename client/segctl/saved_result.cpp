@@ -43,11 +43,8 @@ absl::Status check_cloud(const std::string& cloud_name, const std::string& resul
 
 /// Reads the cloud as it was read when it was segmented.
 codec::ReadOptions read_options_of(const client::Result& result) {
-  codec::ReadOptions options{.view = result.view, .keep_everything = true};
-  for (const codec::LengthUnit unit : codec::length_units()) {
-    if (codec::meters_per_unit(unit) == result.placement.meters_per_unit()) options.unit = unit;
-  }
-  return options;
+  return {
+      .view = result.view, .unit = codec::length_unit_of(result.placement.meters_per_unit()), .keep_everything = true};
 }
 
 }  // namespace

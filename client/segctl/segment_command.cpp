@@ -171,8 +171,7 @@ absl::Status read_files(const SegmentArguments& arguments, Job& job) {
   const bool sends_pcd = job.request.codec && job.request.codec->codec == wire::Codec::kPcd;
   job.file_bytes = std::move(bytes);
   if (sends_pcd && codec::is_taken_as_pcd(std::as_bytes(std::span(*job.file_bytes)))) {
-    job.payload =
-        client::pcd_payload(*job.file_bytes, job.request.view, job.request.unit.value_or(codec::LengthUnit::kMeter));
+    job.payload = client::pcd_payload(*job.file_bytes, job.request.view, job.request.unit);
   }
   return absl::OkStatus();
 }

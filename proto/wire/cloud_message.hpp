@@ -44,9 +44,9 @@ struct OutgoingCloud {
 /// keeps it alive, and expects it not to change.
 OutgoingCloud share_planar(std::shared_ptr<const Cloud> cloud);
 
-/// The message that holds a PCD file. The view, if it is given, overrides that of the file.
+/// The message that holds a PCD file. The view and the unit, if they are given, override those of the file.
 v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view,
-                         codec::LengthUnit unit = codec::LengthUnit::kMeter);
+                         std::optional<codec::LengthUnit> unit = std::nullopt);
 
 /// The message that holds the images of an RGB-D camera. It has the shape of the depth image, or none if that is of no
 /// known format.

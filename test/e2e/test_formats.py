@@ -124,6 +124,35 @@ class Formats(EndToEnd):
             done = segctl("segment", scene, "--local", "-o", out, "-q")
             self.assertEqual(done.stderr.decode().count(str(out)), len(warnings), done.stderr)
 
+    def told_by(self, *arguments):
+        """The warnings of a command that succeeds."""
+        return json.loads(self.run_well("segment", *arguments, "--local", "-q", "--json", "-").stdout)["warnings"]
+
+    def test_what_was_in_millimeters_is_read_again_in_millimeters(self):
+        points, _ = two_boxes()
+        rows = "".join("{:g},{:g},{:g}\n".format(*(1000 * v for v in p)) for p in points)
+        named, plain = self.path("named.csv"), self.path("plain.csv")
+        named.write_text("x_mm,y_mm,z_mm\n" + rows)
+        plain.write_text("x,y,z\n" + rows)
+        for scene, flags in ((named, ()), (plain, ("--unit", "mm"))):
+            for end in ("pcd", "ply", "las", "csv", "xyz", "npy"):
+                with self.subTest(scene=scene.name, end=end):
+                    out = self.path("out." + end)
+                    self.told_by(scene, "-o", out, *flags)
+                    self.assertIn("taken as mm, as the file says", self.told_by(out)[0]["message"])
+                    self.assertEqual(self.told_by(out, "--unit", "mm"), [])
+                    info = json.loads(self.run_well("info", out, "--json", "-").stdout)
+                    self.assertEqual(info["unit"]["taken"], "mm")
+
+    def test_a_unit_that_is_given_wins_over_that_of_a_pcd_that_is_sent_as_it_is(self):
+        scene = self.path("mm.pcd")
+        points, _ = two_boxes()
+        scene.write_text("# segserve unit mm\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 800\nHEIGHT 1\n"
+                         "POINTS 800\nDATA ascii\n" + "".join("{} {} {}\n".format(*p) for p in points))
+        _, in_meters = self.segment(scene, "--codec", "pcd", "--unit", "m", "-q")
+        self.assertEqual(in_meters["segments"], 2)
+        self.assertEqual([w for w in in_meters["warnings"] if "taken as" in w["message"]], [])
+
     def test_las_files_of_others(self):
         out = self.path("out.las")
         for name in ("1.2-with-color.las", "test1_4.las", "spec_3.las"):

@@ -39,4 +39,9 @@ std::optional<LengthUnit> length_unit_from_name(std::string_view name) {
 
 double meters_per_unit(LengthUnit unit) { return std::ranges::find(kUnits, unit, &Entry::unit)->meters; }
 
+std::optional<LengthUnit> length_unit_of(double meters) {
+  const auto* const found = std::ranges::find(kUnits, meters, &Entry::meters);
+  return found == kUnits.end() ? std::nullopt : std::optional(found->unit);
+}
+
 }  // namespace segserve::codec

@@ -101,7 +101,10 @@ FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> 
   content.cloud.view = with_moved_sensors(
       std::move(content.cloud.view),
       [&](const Eigen::Vector3d& position) -> Eigen::Vector3d { return position / file.placement.meters_per_unit(); });
-  if (!file.file_position[0].empty()) content.position = &file.file_position;
+  if (!file.file_position[0].empty()) {
+    content.position = &file.file_position;
+    content.unit = length_unit_of(file.placement.meters_per_unit()).value_or(LengthUnit::kMeter);
+  }
   return content;
 }
 

@@ -238,6 +238,22 @@ void keep_attributes(const PointTable& table, StopCheck& check, LabeledCloud& ou
   }
 }
 
+ToldUnit told_unit(const PointTable& table) {
+  if (table.stated.unit) return {*table.stated.unit, "as the file says"};
+  if (table.roles.unit) return {*table.roles.unit, "as the names of their columns say"};
+  return {};
+}
+
+/// The unit that the file tells. Warns unless it is the meter, which everybody expects.
+LengthUnit take_told_unit(const PointTable& table, std::vector<Warning>& warnings) {
+  const ToldUnit told = told_unit(table);
+  if (told.unit != LengthUnit::kMeter) {
+    warnings.push_back({WarningReason::kUnitGuessed,
+                        fmt::format("the coordinates are taken as {}, {}", name(told.unit), told.reason)});
+  }
+  return told.unit;
+}
+
 }  // namespace
 
 void leave_out(UnreadableFields unreadable, PointTable& table, std::vector<Warning>& warnings) {
@@ -286,14 +302,11 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   const auto is_of_floats = [&](std::size_t field) { return table.fields[field].type == ScalarType::kFloat32; };
   const bool are_floats = is_of_floats(x) && is_of_floats(y) && is_of_floats(z);
   ReadOptions read = options;
-  if (!options.unit && roles.unit && roles.unit != LengthUnit::kMeter) {
-    read.unit = roles.unit;
-    out.warnings.push_back(
-        {WarningReason::kUnitGuessed,
-         fmt::format("the coordinates are taken as {}, as the names of their columns say", name(*roles.unit))});
-  }
+  if (!options.unit) read.unit = take_told_unit(table, out.warnings);
+  ViewEvidence all_evidence = evidence;
+  if (table.stated.view) all_evidence.stated = table.stated.view;
   RETURN_IF_ERROR(
-      read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, evidence, read, check, out));
+      read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, all_evidence, read, check, out));
   if (has_missing_colors) warn_of_missing_colors(table.column(*roles.packed), out.cloud, check, out.warnings);
   return check.status();
 }

@@ -11,6 +11,7 @@
 #include "absl/status/status.h"
 #include "core/codec/common/column.hpp"
 #include "core/codec/common/field_roles.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/view/view_choice.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/codec/read_options.hpp"
@@ -18,6 +19,12 @@
 
 // How the values of a file become a cloud with labels.
 namespace segserve::codec {
+
+/// A unit of the coordinates, and where a file tells it.
+struct ToldUnit {
+  LengthUnit unit = LengthUnit::kMeter;
+  std::string reason = {};  ///< what follows "the coordinates are taken as m, "
+};
 
 /// The values of width * height points, field by field. The columns lie within bytes at hand. A column may have another
 /// type than its field, which then holds the column's values, or is only what the file claims for a position or color.
@@ -29,6 +36,7 @@ struct PointTable {
   /// The values of a field. Those of a field with a count above 1 begin with the first of them, and lie next to each
   /// other. Fields without a role are asked for only if everything is to be kept.
   std::function<Column(std::size_t field)> column;
+  FileStatements stated = {};
 
   std::size_t points() const { return std::size_t{width} * height; }
 };
@@ -40,10 +48,11 @@ using UnreadableFields = std::map<std::size_t, std::string>;
 /// become values without a role. Coordinates are not among the fields.
 void leave_out(UnreadableFields unreadable, PointTable& table, std::vector<Warning>& warnings);
 
-/// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. How
-/// packed colors are read is told by read_packed_color. Labels that the file has become the attribute
-/// `input_label`, too, because files that are written from it have other labels. Adds warnings. CANCELLED,
-/// DEADLINE_EXCEEDED.
+/// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. The
+/// view that the options give, and the one that the table states, are added to the evidence. A unit that the file tells
+/// is taken unless the options have one: that of a statement, else of the names. How
+/// packed colors are read is told by read_packed_color. Labels that the file has become the attribute `input_label`,
+/// too, because files that are written from it have other labels. Adds warnings. CANCELLED, DEADLINE_EXCEEDED.
 absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,
                          const StopToken& stop, LabeledCloud& out);
 

@@ -26,9 +26,9 @@ absl::StatusOr<LabeledCloud> decode_las(std::span<const std::byte> bytes, const 
 /// Encodes a cloud as LAS 1.4 with points of format 7, or 6 if there is no color. Positions of floats are scaled by a
 /// power of two, so that they stay exact but for the last bits of numbers that are small beside the largest; doubles by
 /// a power of ten, the smallest that 32 bits allow, 1e-9 at least. Labels are the extra dimension `segment`. Attributes
-/// go to the fields of their names if these can hold them, else they are extra dimensions. A record of segserve tells
-/// the view. Warns of points that are not finite, which LAS cannot have and which are left out, and of values that do
-/// not fit. INVALID_ARGUMENT if a coordinate is too large.
+/// go to the fields of their names if these can hold them, else they are extra dimensions. Records of segserve tell
+/// the view, and the unit unless it is the meter. Warns of points that are not finite, which LAS cannot have and which
+/// are left out, and of values that do not fit. INVALID_ARGUMENT if a coordinate is too large.
 absl::StatusOr<EncodedFile> encode_las(const FileContent& content);
 
 }  // namespace segserve::codec

@@ -28,6 +28,7 @@ class LasTable {
       : body_(file.data() + header.body_offset), header_(header), check_(check) {
     table_.width = static_cast<std::uint32_t>(header.points);
     table_.height = 1;
+    table_.stated = header.stated;
     table_.column = [this](std::size_t i) { return columns_[i]; };
     const LasLayout layout = las_layout(header.point_format);
     for (std::size_t axis = 0; axis < 3; ++axis) add_axis(axis);
@@ -203,7 +204,7 @@ absl::StatusOr<LabeledCloud> decode_las(std::span<const std::byte> bytes, const 
   StopCheck check(stop);
   const LasTable points(bytes, header, options.keep_everything, check);
   RETURN_IF_ERROR(check.status());
-  RETURN_IF_ERROR(read_points(points.table(), {.stated = header.stated_view}, options, stop, out));
+  RETURN_IF_ERROR(read_points(points.table(), {}, options, stop, out));
   return out;
 }
 

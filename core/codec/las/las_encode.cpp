@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "core/base/status_macros.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "core/codec/las/las.hpp"
 #include "core/codec/las/las_axis.hpp"
 #include "core/codec/las/las_dimensions.hpp"
 #include "core/codec/las/las_fields.hpp"
 #include "core/codec/las/las_header.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -109,8 +109,12 @@ class LasWriter {
   }
 
   void finish(const std::string& descriptions) {
-    std::string records = record(kLasViewUser, kLasViewRecord, view_statement(content_.cloud.view));
-    std::uint32_t count = 1;
+    std::string records;
+    std::uint16_t count = 0;
+    for (const std::string& statement : statements_of(content_)) {
+      records += record(kLasStatementUser, static_cast<std::uint16_t>(kLasFirstStatement + count), statement);
+      ++count;
+    }
     if (!descriptions.empty()) {
       records += record(kLasSpecUser, kLasExtraBytesRecord, descriptions);
       ++count;
@@ -124,7 +128,7 @@ class LasWriter {
     std::memcpy(header.data() + 58, "segserve", 8);
     put_number(header, 94, static_cast<std::uint16_t>(kHeaderBytes));
     put_number(header, 96, static_cast<std::uint32_t>(kHeaderBytes + records.size()));
-    put_number(header, 100, count);
+    put_number(header, 100, std::uint32_t{count});
     put_number(header, 104, static_cast<std::uint8_t>(format_));
     put_number(header, 105, static_cast<std::uint16_t>(record_bytes_));
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -11,17 +11,17 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "segserve/cloud.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "segserve/codec/attribute.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/warning.hpp"
 
 namespace segserve::codec {
 
-/// Who wrote a variable length record: the records of the specification, and segserve's own, whose payload is a
-/// view_statement.
-inline constexpr std::string_view kLasSpecUser = "LASF_Spec", kLasViewUser = "segserve";
-inline constexpr std::uint16_t kLasExtraBytesRecord = 4, kLasViewRecord = 1;
+/// Who wrote a variable length record: the records of the specification, and segserve's own, whose payload is one of
+/// the statements_of the content. They are numbered in this order.
+inline constexpr std::string_view kLasSpecUser = "LASF_Spec", kLasStatementUser = "segserve";
+inline constexpr std::uint16_t kLasExtraBytesRecord = 4, kLasFirstStatement = 1;
 /// Bytes of the header of a variable length record, and of the description of an extra dimension.
 inline constexpr std::size_t kLasRecordHeaderBytes = 54, kLasExtraDescriptionBytes = 192;
 
@@ -45,7 +45,7 @@ struct LasHeader {
   std::size_t points = 0;  ///< that the file promises and holds, or all that it holds if it promises none
   std::array<double, 3> scale{}, offset{};
   std::vector<LasExtra> extra;
-  std::optional<View> stated_view;
+  FileStatements stated;
   bool is_from_segserve = false;
   bool has_reference_system = false;
   std::vector<Warning> warnings;

@@ -10,7 +10,6 @@
 #include "core/codec/common/scalar_type.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/las/las_fields.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -100,8 +99,8 @@ void read_las_records(std::span<const std::byte> space, std::uint32_t count, Las
     }
     if (record.user == kLasSpecUser && record.id == kLasExtraBytesRecord && header.extra.empty()) {
       read_extra_bytes(record.payload, header);
-    } else if (record.user == kLasViewUser && record.id == kLasViewRecord) {
-      header.stated_view = stated_view(as_text(record.payload));
+    } else if (record.user == kLasStatementUser) {
+      header.stated.take(as_text(record.payload));
       header.is_from_segserve = true;
     }
     header.has_reference_system = header.has_reference_system || record.user == "LASF_Projection";

@@ -19,7 +19,7 @@ namespace segserve::codec {
 ///
 ///  - shape (N, C) or (H, W, C) with C >= 3 columns, whose values tell what they are (name_columns)
 ///  - shape (N) or (H, W) with named fields: x, y, z, or one of the names below with 3 numbers; color, label and other
-///    values by their names (find_field_roles). A title that is a view_statement tells the view.
+///    values by their names (find_field_roles). Titles may be statements of segserve.
 ///
 /// INVALID_ARGUMENT names what is wrong, or that the elements are Python objects; CANCELLED, DEADLINE_EXCEEDED.
 absl::StatusOr<LabeledCloud> decode_npy(std::span<const std::byte> bytes, const DecodeLimits& limits,
@@ -36,7 +36,7 @@ absl::StatusOr<LabeledCloud> decode_npz(std::span<const std::byte> bytes, const 
                                         const ReadOptions& options = {}, const StopToken& stop = {});
 
 /// Encodes a cloud as an array with named fields (x, y, z, red, green, blue, the attributes, label) of version 2.0, of
-/// shape (H, W) if the cloud is organized, else (N). The title of x is a view_statement.
+/// shape (H, W) if the cloud is organized, else (N). The titles of x and y are the statements_of the content.
 std::string encode_npy(const FileContent& content);
 
 }  // namespace segserve::codec

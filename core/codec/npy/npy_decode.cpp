@@ -38,7 +38,7 @@ absl::StatusOr<LabeledCloud> read_table(NpyTable& points, std::vector<Warning>& 
   ASSIGN_OR_RETURN(const PointTable table, points.finish());
   LabeledCloud out;
   out.warnings = std::move(warnings);
-  RETURN_IF_ERROR(read_points(table, {.stated = points.stated_view()}, options, stop, out));
+  RETURN_IF_ERROR(read_points(table, {}, options, stop, out));
   return out;
 }
 

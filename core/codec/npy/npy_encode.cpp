@@ -4,10 +4,12 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <string>
+#include <vector>
 
 #include "core/codec/common/file_columns.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/npy/npy.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -18,15 +20,15 @@ std::string_view type_name(ScalarType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-/// The names and types of the fields, as NumPy writes them. The title of x tells the view.
-std::string description(const FileTable& table, const View& view) {
+/// The names and types of the fields, as NumPy writes them. The titles of the first ones are the statements.
+std::string description(const FileTable& table, const std::vector<std::string>& statements) {
   std::string out;
-  for (const FileColumn& column : table.columns()) {
-    const bool is_first = out.empty();
-    const std::string name =
-        is_first ? fmt::format("('{}', '{}')", view_statement(view), column.name) : fmt::format("'{}'", column.name);
+  for (std::size_t i = 0; i < table.columns().size(); ++i) {
+    const FileColumn& column = table.columns()[i];
+    const std::string name = i < statements.size() ? fmt::format("('{}', '{}')", statements[i], column.name)
+                                                   : fmt::format("'{}'", column.name);
     const std::string shape = column.count == 1 ? "" : fmt::format(", ({},)", column.count);
-    out += fmt::format("{}({}, '{}'{})", is_first ? "" : ", ", name, type_name(column.type), shape);
+    out += fmt::format("{}({}, '{}'{})", i == 0 ? "" : ", ", name, type_name(column.type), shape);
   }
   return out;
 }
@@ -39,8 +41,8 @@ std::string encode_npy(const FileContent& content) {
   const CloudView& cloud = content.cloud;
   const std::string shape =
       cloud.height == 1 ? fmt::format("({},)", cloud.width) : fmt::format("({}, {})", cloud.height, cloud.width);
-  std::string header =
-      fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': {}, }}", description(table, cloud.view), shape);
+  std::string header = fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': {}, }}",
+                                   description(table, statements_of(content)), shape);
   header.append(kAlignment - 1 - (kFixed + header.size()) % kAlignment, ' ');
   header += '\n';
   std::string out("\x93NUMPY\2\0", 8);

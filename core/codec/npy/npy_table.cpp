@@ -15,7 +15,6 @@
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/common/unnamed_columns.hpp"
 #include "core/codec/npy/half_float.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -91,7 +90,7 @@ void NpyTable::add_column(std::string name, const NpyField& field, const std::by
 void NpyTable::add_fields(const NpyArray& array) {
   const std::size_t stride = array.header().element_bytes;
   for (const NpyField& field : array.header().fields) {
-    if (const auto view = codec::stated_view(field.title)) stated_view_ = view;
+    stated_.take(field.title);
     const std::byte* const data = array.data() + field.offset;
     if (const Names* const parts = parts_of(field.name, field.count)) {
       for (std::size_t k = 0; k < 3; ++k) add_column((*parts)[k], field, data + k * field.bytes, stride, 1);
@@ -183,6 +182,7 @@ absl::StatusOr<PointTable> NpyTable::finish() {
   table.roles = *std::move(roles);
   table.width = width_;
   table.height = height_;
+  table.stated = stated_;
   table.column = [this](std::size_t i) { return columns_[i]; };
   return table;
 }

@@ -14,6 +14,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/npy/npy_array.hpp"
 #include "segserve/codec/decode_limits.hpp"
@@ -50,7 +51,6 @@ class NpyTable {
 
   /// The table, with the roles that the names tell. It refers to this object.
   absl::StatusOr<PointTable> finish();
-  const std::optional<View>& stated_view() const { return stated_view_; }
 
  private:
   void add_column(std::string name, const NpyField& field, const std::byte* data, std::size_t stride,
@@ -71,7 +71,7 @@ class NpyTable {
   std::vector<Field> fields_;
   std::vector<Column> columns_;
   std::deque<std::vector<float>> halves_;
-  std::optional<View> stated_view_;
+  FileStatements stated_;
 };
 
 }  // namespace segserve::codec

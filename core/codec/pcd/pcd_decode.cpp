@@ -184,11 +184,11 @@ class BodyReader {
 };
 
 PointTable BodyReader::make_table(std::function<Column(std::size_t field)> column) const {
-  return {header_.point_fields(), header_.roles, header_.width, header_.height, std::move(column)};
+  return {header_.point_fields(), header_.roles, header_.width, header_.height, std::move(column), header_.stated};
 }
 
 absl::Status BodyReader::read_table(const PointTable& table) {
-  ViewEvidence evidence{.stated = header_.stated_view, .position = header_.viewpoint, .entry = "VIEWPOINT"};
+  ViewEvidence evidence{.position = header_.viewpoint, .entry = "VIEWPOINT"};
   evidence.has_entry = true;
   return read_points(table, evidence, options_, stop_, out_);
 }

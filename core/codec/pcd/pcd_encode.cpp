@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <lzf.h>
 
 #include <cstring>
@@ -7,7 +8,7 @@
 #include <limits>
 
 #include "core/codec/common/file_columns.hpp"
-#include "core/codec/view/view_choice.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "segserve/codec/pcd.hpp"
 
 namespace segserve::codec {
@@ -32,7 +33,7 @@ char type_of(const FileColumn& column, PcdEncoding encoding) {
   return column.type < ScalarType::kUint8 ? 'I' : 'U';
 }
 
-std::string encode_header(const CloudView& cloud, const FileTable& table, PcdEncoding encoding) {
+std::string encode_header(const FileContent& content, const FileTable& table, PcdEncoding encoding) {
   std::string fields, sizes, types, counts;
   for (const FileColumn& column : table.columns()) {
     fields += ' ' + column.name;
@@ -40,12 +41,13 @@ std::string encode_header(const CloudView& cloud, const FileTable& table, PcdEnc
     fmt::format_to(std::back_inserter(types), " {}", type_of(column, encoding));
     fmt::format_to(std::back_inserter(counts), " {}", column.count);
   }
+  const CloudView& cloud = content.cloud;
   const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
   return fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\n# {}\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\n"
       "WIDTH {}\nHEIGHT {}\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {}\nDATA {}\n",
-      view_statement(cloud.view), fields, sizes, types, counts, cloud.width, cloud.height, sensor[0], sensor[1],
-      sensor[2], cloud.size(), name_of(encoding));
+      fmt::join(statements_of(content), "\n# "), fields, sizes, types, counts, cloud.width, cloud.height, sensor[0],
+      sensor[1], sensor[2], cloud.size(), name_of(encoding));
 }
 
 /// The most bytes that LZF writes: a control byte before each 32 bytes, and the space that it wants to have ahead.
@@ -76,7 +78,7 @@ std::string encode_pcd(const FileContent& content, PcdEncoding encoding) {
       compressed_bound(body_bytes) > std::numeric_limits<std::uint32_t>::max()) {
     encoding = PcdEncoding::kBinary;
   }
-  std::string out = encode_header(content.cloud, table, encoding);
+  std::string out = encode_header(content, table, encoding);
   switch (encoding) {
     case PcdEncoding::kAscii:
       table.append_text(out);

@@ -15,7 +15,6 @@
 #include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -66,8 +65,7 @@ absl::StatusOr<Entries> split_header(std::string_view file, PcdHeader& header) {
     std::string_view keyword = take_word(text);
     if (keyword.starts_with('#')) {
       const std::size_t begin = line->text.find_first_not_of("# \t");
-      if (const auto view = stated_view(line->text.substr(std::min(begin, line->text.size()))))
-        header.stated_view = view;
+      header.stated.take(line->text.substr(std::min(begin, line->text.size())));
       continue;
     }
     if (keyword.empty()) continue;

@@ -12,6 +12,7 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/codec/common/field_roles.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/pcd.hpp"
@@ -38,7 +39,7 @@ struct PcdHeader {
   std::uint32_t height = 0;
   std::size_t points = 0;                    ///< width * height
   std::optional<Eigen::Vector3d> viewpoint;  ///< its translation, in the file's unit; unset if it is missing
-  std::optional<View> stated_view;           ///< see view_statement
+  FileStatements stated;
   PcdEncoding encoding = PcdEncoding::kAscii;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file
   std::size_t body_line = 1;    ///< number of the body's first line, counted from 1

@@ -138,7 +138,8 @@ class BodyReader {
       values_of_property.order = values.order();
       return values_of_property;
     };
-    PointTable table{fields_of(vertex), header_.roles, static_cast<std::uint32_t>(vertex.rows), 1, column};
+    PointTable table{fields_of(vertex), header_.roles, static_cast<std::uint32_t>(vertex.rows), 1, column,
+                     header_.stated};
     if constexpr (std::is_same_v<typename Values::Rows, TypedRows>) {
       for (std::size_t i = 0; i < table.fields.size(); ++i) {
         if (vertices.used.contains(i) || !vertices.rows.is_kept(i)) continue;
@@ -147,7 +148,7 @@ class BodyReader {
     }
     RETURN_IF_ERROR(check.status());
     leave_out(std::move(vertices.unreadable), table, out_.warnings);
-    return read_points(table, {.stated = header_.stated_view}, options_, stop_, out_);
+    return read_points(table, {}, options_, stop_, out_);
   }
 
   void warn_of_lists(const PlyElement& vertex) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <array>
 #include <cstring>
@@ -7,7 +8,7 @@
 #include <vector>
 
 #include "core/codec/common/file_columns.hpp"
-#include "core/codec/view/view_choice.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "segserve/codec/ply.hpp"
 
 namespace segserve::codec {
@@ -20,7 +21,7 @@ std::string_view type_name(ScalarType type) {
   return kNames[static_cast<std::size_t>(type)];
 }
 
-std::string encode_header(const CloudView& cloud, const FileTable& table, PlyEncoding encoding) {
+std::string encode_header(const FileContent& content, const FileTable& table, PlyEncoding encoding) {
   std::string properties;
   for (const FileColumn& column : table.columns()) {
     for (std::size_t k = 0; k < column.count; ++k) {
@@ -29,8 +30,8 @@ std::string encode_header(const CloudView& cloud, const FileTable& table, PlyEnc
     }
   }
   return fmt::format("ply\nformat {} 1.0\ncomment written by segserve\ncomment {}\nelement vertex {}\n{}end_header\n",
-                     encoding == PlyEncoding::kAscii ? "ascii" : "binary_little_endian", view_statement(cloud.view),
-                     table.points(), properties);
+                     encoding == PlyEncoding::kAscii ? "ascii" : "binary_little_endian",
+                     fmt::join(statements_of(content), "\ncomment "), table.points(), properties);
 }
 
 /// The attribute with doubles instead of integers of 64 bits.
@@ -63,7 +64,7 @@ std::string encode_ply(const FileContent& content, PlyEncoding encoding) {
   FileContent fitting = content;
   fitting.attributes = attributes;
   const FileTable table(fitting, ColorForm::kChannels);
-  std::string out = encode_header(content.cloud, table, encoding);
+  std::string out = encode_header(content, table, encoding);
   if (encoding == PlyEncoding::kAscii) {
     table.append_text(out);
   } else {

@@ -11,7 +11,6 @@
 #include "core/codec/common/header_limits.hpp"
 #include "core/codec/common/limit_checks.hpp"
 #include "core/codec/common/text_parsing.hpp"
-#include "core/codec/view/view_choice.hpp"
 #include "segserve/codec/ply.hpp"
 
 namespace segserve::codec {
@@ -124,8 +123,7 @@ absl::Status split_header(std::string_view file, PlyHeader& header) {
     }
     if (words[0] == "comment") {
       header.has_texture = header.has_texture || (words.size() > 1 && words[1] == "TextureFile");
-      const auto view = stated_view(line->text.substr(std::min(line->text.size(), line->text.find("comment ") + 8)));
-      if (view) header.stated_view = view;
+      header.stated.take(line->text.substr(std::min(line->text.size(), line->text.find("comment ") + 8)));
     }
     RETURN_IF_ERROR(read_line(words, line->number, header));
   }

@@ -10,8 +10,8 @@
 
 #include "absl/status/statusor.h"
 #include "core/codec/common/field_roles.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/common/scalar_type.hpp"
-#include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
 
 namespace segserve::codec {
@@ -40,10 +40,10 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::kAscii;
   std::vector<PlyElement> elements;
-  std::size_t vertex = 0;           ///< index of the element `vertex`, or `point` if there is none
-  FieldRoles roles;                 ///< indices into the properties of `vertex`
-  std::optional<View> stated_view;  ///< see view_statement
-  bool has_texture = false;         ///< a comment names an image of texture, as MeshLab writes it
+  std::size_t vertex = 0;  ///< index of the element `vertex`, or `point` if there is none
+  FieldRoles roles;        ///< indices into the properties of `vertex`
+  FileStatements stated;
+  bool has_texture = false;  ///< a comment names an image of texture, as MeshLab writes it
   std::vector<Warning> warnings;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file
   std::size_t body_line = 1;    ///< number of the body's first line, counted from 1

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/codec/common/file_columns.hpp"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/text/text_table.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 
@@ -17,7 +18,7 @@ std::string encode_text_table(const FileContent& content, Separator separator) {
       names += column.count == 1 ? column.name : fmt::format("{}_{}", column.name, k);
     }
   }
-  std::string out = fmt::format("# {}\n{}{}\n", view_statement(content.cloud.view), is_csv ? "" : "//", names);
+  std::string out = fmt::format("# {}\n{}{}\n", fmt::join(statements_of(content), "\n# "), is_csv ? "" : "//", names);
   table.append_text(out, is_csv ? ',' : ' ');
   return out;
 }

@@ -14,7 +14,6 @@
 #include "core/codec/text/column_names.hpp"
 #include "core/codec/text/row_shape.hpp"
 #include "core/codec/text/text_table.hpp"
-#include "core/codec/view/view_choice.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -123,11 +122,7 @@ class StartFinder {
   }
 
   void take_comment(std::string_view comment) {
-    if (const auto view = stated_view(comment)) {
-      start_.stated_view = view;
-    } else {
-      comment_ = comment;
-    }
+    if (!start_.stated.take(comment)) comment_ = comment;
   }
 
   /// Whether a line below the names has the units of the columns, which are noted, or is a rule of dashes.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/codec/common/file_statements.hpp"
 #include "core/codec/text/text_cells.hpp"
-#include "segserve/cloud.hpp"
 #include "segserve/codec/length_unit.hpp"
 
 namespace segserve::codec {
@@ -19,7 +19,7 @@ namespace segserve::codec {
 struct TextStart {
   std::vector<std::string> names;      ///< of the columns; empty if there are none
   std::optional<std::uint64_t> count;  ///< of the rows, as PTS has it
-  std::optional<View> stated_view;
+  FileStatements stated;
   std::optional<LengthUnit> unit;  ///< of x, y and z, if it stands beside or below their names
   Separator separator = Separator::kSpace;
   std::size_t columns = 0;

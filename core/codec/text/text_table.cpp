@@ -92,7 +92,8 @@ absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes,
   RETURN_IF_ERROR(check.status());
   ASSIGN_OR_RETURN(PointTable table, make_table(names, rows, out.warnings));
   table.roles.unit = start.unit;
-  RETURN_IF_ERROR(read_points(table, {.stated = start.stated_view}, options, stop, out));
+  table.stated = start.stated;
+  RETURN_IF_ERROR(read_points(table, {}, options, stop, out));
   return out;
 }
 

@@ -32,14 +32,14 @@ bool is_text_table(std::string_view file);
 /// that begin with # or // are comments. The names of the columns stand in the first line, or in the last comment above
 /// the rows if it has x, y and z and as many words as a row; else the values tell what the columns are (name_columns).
 /// A first line with a single count is that of PTS, which may have several blocks, each with a count. Coordinates are
-/// doubles. A comment that is a view_statement tells the view. INVALID_ARGUMENT names the line of what is missing, too
-/// much, or no number; CANCELLED, DEADLINE_EXCEEDED.
+/// doubles. Comments may be statements of segserve. INVALID_ARGUMENT names the line of what is missing, too much, or no
+/// number; CANCELLED, DEADLINE_EXCEEDED.
 absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                                const ReadOptions& options = {}, const StopToken& stop = {});
 
 /// Encodes a cloud as a table: with commas and the names of the columns in a line (CSV), or with spaces and the names
-/// in a comment (XYZ). The first line is a comment with a view_statement. Numbers are the shortest that read back as
-/// the same values.
+/// in a comment (XYZ). The lines above it are comments with the statements_of the content. Numbers are the shortest
+/// that read back as the same values.
 std::string encode_text_table(const FileContent& content, Separator separator);
 
 }  // namespace segserve::codec

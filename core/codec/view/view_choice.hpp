@@ -16,7 +16,7 @@
 // points have a say.
 namespace segserve::codec {
 
-/// The statements of a file, or of its reader, about the sensor. Positions are in meters along the axes of the file;
+/// The facts that a file, or its reader, tells about the sensor. Positions are in meters along the axes of the file;
 /// read_positions takes those of the file in the file's unit.
 struct ViewEvidence {
   std::optional<View> given = std::nullopt;   ///< by the reader of the file, who is believed

@@ -22,9 +22,9 @@ absl::StatusOr<DecodedCloud> decode_pcd_file(const v1::Cloud& message, const cod
   return decoded_cloud(std::move(decoded));
 }
 
-v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view, codec::LengthUnit unit) {
+v1::Cloud to_pcd_message(std::string file_bytes, std::optional<View> view, std::optional<codec::LengthUnit> unit) {
   v1::Cloud message;
-  if (unit != codec::LengthUnit::kMeter) message.set_unit(to_message(unit));
+  if (unit) message.set_unit(to_message(*unit));
   if (view) *message.mutable_view() = to_message(*view);
   *message.mutable_pcd_file()->mutable_file() = to_raw_block(std::move(file_bytes));
   return message;

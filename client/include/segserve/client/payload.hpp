@@ -51,10 +51,10 @@ absl::StatusOr<Payload> cloud_payload(const CloudView& cloud, const wire::CodecO
 /// while the payload is in use.
 absl::StatusOr<Payload> cloud_payload(std::shared_ptr<const Cloud> cloud, const wire::CodecOptions& codec = {});
 
-/// Sends a PCD file as it is. The view, if given, overrides the file's; the unit is that of its coordinates. The server
-/// says if the file is broken.
+/// Sends a PCD file as it is. The view, if given, overrides the file's, and so does the unit of its coordinates.
+/// The server says if the file is broken.
 Payload pcd_payload(std::string file_bytes, std::optional<View> view = std::nullopt,
-                    codec::LengthUnit unit = codec::LengthUnit::kMeter);
+                    std::optional<codec::LengthUnit> unit = std::nullopt);
 
 /// Sends the images of an RGB-D camera as they are. The server says if they are broken.
 Payload rgbd_payload(codec::RgbdFiles images);

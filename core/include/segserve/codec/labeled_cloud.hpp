@@ -9,6 +9,7 @@
 
 #include "segserve/cloud.hpp"
 #include "segserve/codec/attribute.hpp"
+#include "segserve/codec/length_unit.hpp"
 #include "segserve/codec/placement.hpp"
 #include "segserve/codec/warning.hpp"
 
@@ -36,10 +37,12 @@ struct FileContent {
   std::span<const std::uint32_t> label = {};   ///< N, or empty if there are no labels
   std::span<const Attribute> attributes = {};  ///< values of N points each
   const FilePosition* position = nullptr;      ///< the coordinates in the file, or null
+  LengthUnit unit = LengthUnit::kMeter;        ///< of the coordinates in the file; not kAuto
 };
 
 /// A cloud that was read with ReadOptions::keep_everything, with other labels, as it goes into a file again: with the
-/// coordinates, sensor and attributes of the file that it came from. The file and the labels must outlive the result.
+/// coordinates, their unit, the sensor and the attributes of the file that it came from. The file and the labels must
+/// outlive the result.
 FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label);
 
 }  // namespace segserve::codec

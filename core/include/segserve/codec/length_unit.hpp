@@ -29,5 +29,7 @@ std::string_view name(LengthUnit unit);
 std::optional<LengthUnit> length_unit_from_name(std::string_view name);
 /// Meters a unit. The unit must not be kAuto.
 double meters_per_unit(LengthUnit unit);
+/// The unit that is so many meters; nullopt if there is none.
+std::optional<LengthUnit> length_unit_of(double meters);
 
 }  // namespace segserve::codec

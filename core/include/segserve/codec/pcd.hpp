@@ -54,7 +54,8 @@ absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const 
 /// label gets `input_` in front of it.
 ///
 /// VIEWPOINT is the position of the sensor; it is the identity for a CAMERA view and for a WORLD view without a sensor.
-/// A comment tells the view in full, so that decode_pcd finds the same.
+/// A comment tells the view in full, so that decode_pcd finds the same. Another one tells the unit of the coordinates
+/// unless it is the meter.
 ///
 /// A body of 4 GiB or more does not fit into binary_compressed, and is written as binary.
 std::string encode_pcd(const FileContent& content, PcdEncoding encoding);

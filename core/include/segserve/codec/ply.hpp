@@ -41,8 +41,8 @@ absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const 
 /// Writes a PLY file whose vertices have x y z (float, or double if the content has a position in the file), red green
 /// blue (uchar; if the cloud has color), the attributes, and label (uint; if there are labels). Both encodings keep
 /// numbers, colors and labels exactly, but for attributes with integers of 64 bits, which become doubles. A comment
-/// tells the view. The rows and columns of an organized cloud are lost. Names of attributes are changed as by
-/// encode_pcd.
+/// tells the view, another one the unit unless it is the meter. The rows and columns of an organized cloud are lost.
+/// Names of attributes are changed as by encode_pcd.
 std::string encode_ply(const FileContent& content, PlyEncoding encoding);
 /// Does the same for a cloud and its labels: one entry per point, or none.
 std::string encode_ply(const CloudView& cloud, std::span<const std::uint32_t> label, PlyEncoding encoding);

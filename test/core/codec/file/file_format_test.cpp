@@ -167,6 +167,35 @@ TEST(FileFormat, NpyKeepsRowsAndPointsThatAreNotFinite) {
   EXPECT_EQ(again.cloud.height, 4U);
 }
 
+TEST(FileFormat, TheUnitSurvives) {
+  const std::string millimeters = "x_mm,y_mm,z_mm\n0,0,700\n10,0,700\n0,10,710\n";
+  const LabeledCloud first = read(millimeters);
+  for (const FileFormat format : kClouds) {
+    SCOPED_TRACE(static_cast<int>(format));
+    const std::string file = write(content_of(first, {}), format);
+    const LabeledCloud again = read(file);
+    EXPECT_EQ(again.placement.meters_per_unit(), 0.001);
+    EXPECT_NEAR(again.file_position[2][0], 700, 1e-9);
+    EXPECT_EQ(again.cloud.view, first.cloud.view);
+    ASSERT_EQ(again.warnings.size(), 1U);
+    EXPECT_EQ(again.warnings[0].reason, WarningReason::kUnitGuessed);
+    EXPECT_EQ(again.warnings[0].message, "the coordinates are taken as mm, as the file says");
+    const auto given = decode_cloud(bytes_of(file), {}, {.unit = LengthUnit::kCentimeter});
+    ASSERT_TRUE(given.ok()) << given.status();
+    EXPECT_EQ(given->placement.meters_per_unit(), 0.01);
+    EXPECT_TRUE(given->warnings.empty());
+  }
+}
+
+TEST(FileFormat, AUnitThatIsNoneIsNotTaken) {
+  for (const std::string unit : {"auto", "km", "", "mm mm"}) {
+    const LabeledCloud cloud = read("# segserve unit " + unit + "\nx,y,z\n1,2,3\n4,5,6\n");
+    EXPECT_EQ(cloud.placement.meters_per_unit(), 1) << unit;
+  }
+  const LabeledCloud meters = read("# segserve unit m\nx,y,z\n1,2,3\n4,5,6\n");
+  EXPECT_TRUE(meters.warnings.empty()) << "everybody expects meters";
+}
+
 TEST(FileFormat, ListsOfLabelsHaveTheFormOfTheirDataSets) {
   const Cloud cloud = camera_cloud(3, 1);
   const std::vector<std::uint32_t> labels{1, 0, 65535}, large{1, 65536, 0};
