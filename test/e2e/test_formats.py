@@ -161,7 +161,8 @@ class Formats(EndToEnd):
                               out, "-q")
                 self.assertEqual(done.returncode, SUCCESS, done.stderr)
                 self.assertTrue(out.read_bytes().startswith(b"LASF"))
-        for name, words in (("simple.laz", "las2las"), ("1.2-with-color.copc.laz", "COPC"), ("A4.e57", "E57")):
+        for name, words in (("simple.laz", "las2las"), ("1.2-with-color.copc.laz", "COPC"), ("A4.e57", "E57"),
+                            ("spurious.las", "latitudes and longitudes")):
             self.assertIn(words, self.run_badly(BAD_INPUT, "segment", LAS / name, "--local"))
 
 

@@ -241,13 +241,13 @@ void keep_attributes(const PointTable& table, StopCheck& check, LabeledCloud& ou
 ToldUnit told_unit(const PointTable& table) {
   if (table.stated.unit) return {*table.stated.unit, "as the file says"};
   if (table.roles.unit) return {*table.roles.unit, "as the names of their columns say"};
-  return {};
+  return table.reference_unit.value_or(ToldUnit{});
 }
 
 /// The unit that the file tells. Warns unless it is the meter, which everybody expects.
 LengthUnit take_told_unit(const PointTable& table, std::vector<Warning>& warnings) {
   const ToldUnit told = told_unit(table);
-  if (told.unit != LengthUnit::kMeter) {
+  if (told.unit != LengthUnit::kMeter || told.is_doubtful) {
     warnings.push_back({WarningReason::kUnitGuessed,
                         fmt::format("the coordinates are taken as {}, {}", name(told.unit), told.reason)});
   }

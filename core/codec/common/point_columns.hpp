@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ namespace segserve::codec {
 struct ToldUnit {
   LengthUnit unit = LengthUnit::kMeter;
   std::string reason = {};  ///< what follows "the coordinates are taken as m, "
+  bool is_doubtful = false;
 };
 
 /// The values of width * height points, field by field. The columns lie within bytes at hand. A column may have another
@@ -37,6 +39,8 @@ struct PointTable {
   /// other. Fields without a role are asked for only if everything is to be kept.
   std::function<Column(std::size_t field)> column;
   FileStatements stated = {};
+  /// The unit of the coordinate reference system, if the file has one that tells it.
+  std::optional<ToldUnit> reference_unit = std::nullopt;
 
   std::size_t points() const { return std::size_t{width} * height; }
 };
@@ -50,7 +54,7 @@ void leave_out(UnreadableFields unreadable, PointTable& table, std::vector<Warni
 
 /// Converts a table to points and labels, with their view and, if they are wanted, the other values as attributes. The
 /// view that the options give, and the one that the table states, are added to the evidence. A unit that the file tells
-/// is taken unless the options have one: that of a statement, else of the names. How
+/// is taken unless the options have one: that of a statement, else of the names, else of the reference system. How
 /// packed colors are read is told by read_packed_color. Labels that the file has become the attribute `input_label`,
 /// too, because files that are written from it have other labels. Adds warnings. CANCELLED, DEADLINE_EXCEEDED.
 absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, const ReadOptions& options,

@@ -28,6 +28,10 @@ std::optional<LengthUnit> unit_in_words(std::string_view text);
 /// Whether the names are those of latitudes and longitudes, which are degrees and no coordinates.
 bool are_degrees(const std::vector<std::string_view>& names);
 
+/// Why degrees are refused, for messages.
+inline constexpr std::string_view kDegreesAreRefused =
+    "latitudes and longitudes are no coordinates in meters; project them first, for example to UTM";
+
 /// Which names of coordinates are known, for messages.
 inline constexpr std::string_view kKnownPositions =
     "x y z, also with a unit as in x_mm, pos_x, x_coord, Points:0, or easting northing elevation";

@@ -18,8 +18,10 @@ namespace segserve::codec {
 /// doubles. An extra dimension `segment`, `label` or `scalar_Label` is the label; the classification is none, because
 /// it tells what a point is, and not which thing it belongs to. All other values are attributes; those of the
 /// specification are left out if they are 0 for all points, or if each point is the only return of its pulse. A file
-/// that is cut off gives its whole points, with a warning. INVALID_ARGUMENT names what is wrong, or that the file is
-/// LAZ; CANCELLED, DEADLINE_EXCEEDED.
+/// that is cut off gives its whole points, with a warning. The unit is that of the coordinate reference system, if
+/// neither the options nor a statement of segserve have one. INVALID_ARGUMENT names what is wrong, that the file is
+/// LAZ, or that the coordinates are latitudes and longitudes by their system and values, and no unit is given;
+/// CANCELLED, DEADLINE_EXCEEDED.
 absl::StatusOr<LabeledCloud> decode_las(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                         const ReadOptions& options = {}, const StopToken& stop = {});
 

@@ -187,7 +187,7 @@ void warn_of_what_is_not_kept(const LasHeader& header, bool keep_everything, std
     warn(fmt::format("the last {} bytes of each point are not kept, because the file does not describe them",
                      header.record_bytes - described));
   }
-  if (keep_everything && header.has_reference_system) {
+  if (keep_everything && !header.reference_records.is_empty()) {
     warn("the coordinate reference system is not kept; the coordinates are");
   }
 }
@@ -197,14 +197,18 @@ void warn_of_what_is_not_kept(const LasHeader& header, bool keep_everything, std
 absl::StatusOr<LabeledCloud> decode_las(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                         const ReadOptions& options, const StopToken& stop) {
   RETURN_IF_ERROR(check_bytes("LAS file: ", bytes.size(), limits));
-  ASSIGN_OR_RETURN(LasHeader header, parse_las_header(bytes, limits));
+  StopCheck check(stop);
+  ASSIGN_OR_RETURN(LasHeader header, parse_las_header(bytes, limits, check));
   LabeledCloud out;
   out.warnings = std::move(header.warnings);
   warn_of_what_is_not_kept(header, options.keep_everything, out.warnings);
-  StopCheck check(stop);
   const LasTable points(bytes, header, options.keep_everything, check);
   RETURN_IF_ERROR(check.status());
-  RETURN_IF_ERROR(read_points(points.table(), {}, options, stop, out));
+  PointTable table = points.table();
+  if (header.reference_system && !options.unit) {
+    RETURN_IF_ERROR(use_reference_system(*header.reference_system, check, table, out.warnings));
+  }
+  RETURN_IF_ERROR(read_points(table, {}, options, stop, out));
   return out;
 }
 

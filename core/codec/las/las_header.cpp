@@ -19,8 +19,8 @@ namespace segserve::codec {
 namespace {
 
 // Offsets in the header.
-constexpr std::size_t kMajor = 24, kMinor = 25, kHeaderBytes = 94, kBodyOffset = 96, kRecords = 100, kFormat = 104,
-                      kRecordBytes = 105, kOldCount = 107, kScale = 131, kOffset = 155, kWaveforms = 227,
+constexpr std::size_t kEncoding = 6, kMajor = 24, kMinor = 25, kHeaderBytes = 94, kBodyOffset = 96, kRecords = 100,
+                      kFormat = 104, kRecordBytes = 105, kOldCount = 107, kScale = 131, kOffset = 155, kWaveforms = 227,
                       kExtended = 235, kExtendedCount = 243, kCount = 247;
 constexpr std::size_t kLeastHeader = 227, kLeastHeader13 = 235, kLeastHeader14 = 375;
 constexpr unsigned kNewestMinor = 4;
@@ -138,11 +138,29 @@ absl::Status read_surplus(std::span<const std::byte> file, std::size_t end, cons
   return check_points("LAS file: ", header.points, limits);
 }
 
+/// Reads the variable length records of both kinds, and what they tell of the reference system.
+void read_all_records(std::span<const std::byte> file, StopCheck& check, LasHeader& header) {
+  constexpr unsigned kIsText = 0x10;
+  const HeaderBytes bytes(file);
+  const std::size_t header_bytes = bytes.at<std::uint16_t>(kHeaderBytes);
+  read_las_records(file.subspan(header_bytes, header.body_offset - header_bytes), LasRecordKind::kShort,
+                   bytes.at<std::uint32_t>(kRecords), check, header);
+  if (has_fields_of(bytes, 4, kLeastHeader14)) {
+    const auto begin =
+        static_cast<std::size_t>(std::min<std::uint64_t>(bytes.at<std::uint64_t>(kExtended), file.size()));
+    read_las_records(file.subspan(begin), LasRecordKind::kExtended, bytes.at<std::uint32_t>(kExtendedCount), check,
+                     header);
+  }
+  const bool is_text = (bytes.at<std::uint16_t>(kEncoding) & kIsText) != 0;
+  header.reference_system = header.reference_records.read(is_text, header.warnings);
+}
+
 }  // namespace
 
 bool is_las(std::string_view file) { return file.starts_with("LASF"); }
 
-absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits) {
+absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits,
+                                           StopCheck& check) {
   if (file.size() < kLeastHeader) return fault("it has {} bytes and needs {}", file.size(), kLeastHeader);
   const HeaderBytes bytes(file);
   RETURN_IF_ERROR(check_version(bytes));
@@ -159,8 +177,8 @@ absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, cons
   RETURN_IF_ERROR(read_transform(bytes, header));
   RETURN_IF_ERROR(read_extent(file, promised_points(bytes), limits, header));
   RETURN_IF_ERROR(read_surplus(file, end_of_points(bytes, header.body_offset, file.size()), limits, header));
-  read_las_records(file.subspan(header_bytes, header.body_offset - header_bytes), bytes.at<std::uint32_t>(kRecords),
-                   header);
+  read_all_records(file, check, header);
+  RETURN_IF_ERROR(check.status());
   return header;
 }
 

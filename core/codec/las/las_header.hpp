@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/base/stop_check.hpp"
 #include "core/codec/common/file_statements.hpp"
+#include "core/codec/las/reference_system.hpp"
 #include "segserve/codec/attribute.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/warning.hpp"
@@ -20,10 +22,13 @@ namespace segserve::codec {
 
 /// Who wrote a variable length record: the records of the specification, and segserve's own, whose payload is one of
 /// the statements_of the content. They are numbered in this order.
-inline constexpr std::string_view kLasSpecUser = "LASF_Spec", kLasStatementUser = "segserve";
+inline constexpr std::string_view kLasSpecUser = "LASF_Spec", kLasProjectionUser = "LASF_Projection",
+                                  kLasStatementUser = "segserve";
 inline constexpr std::uint16_t kLasExtraBytesRecord = 4, kLasFirstStatement = 1;
-/// Bytes of the header of a variable length record, and of the description of an extra dimension.
-inline constexpr std::size_t kLasRecordHeaderBytes = 54, kLasExtraDescriptionBytes = 192;
+/// Bytes of the header of a variable length record, of that of an extended one, and of the description of an extra
+/// dimension.
+inline constexpr std::size_t kLasRecordHeaderBytes = 54, kLasExtendedRecordHeaderBytes = 60,
+                             kLasExtraDescriptionBytes = 192;
 
 /// Values that a file has for each point beyond those of its point format ("extra bytes").
 struct LasExtra {
@@ -47,7 +52,8 @@ struct LasHeader {
   std::vector<LasExtra> extra;
   FileStatements stated;
   bool is_from_segserve = false;
-  bool has_reference_system = false;
+  ReferenceRecords reference_records;
+  std::optional<ReferenceSystem> reference_system;
   std::vector<Warning> warnings;
 };
 
@@ -56,7 +62,8 @@ bool is_las(std::string_view file);
 
 /// Parses the header of a LAS file of version 1.0 to 1.4. INVALID_ARGUMENT names what is wrong, or that the file is
 /// LAZ. Warns of points that the file promises and does not hold, or holds and does not promise, and of damaged
-/// variable length records.
-absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits);
+/// variable length records. The header refers to the file. CANCELLED, DEADLINE_EXCEEDED.
+absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, const DecodeLimits& limits,
+                                           StopCheck& check);
 
 }  // namespace segserve::codec

@@ -27,15 +27,18 @@ std::string_view fixed_text(std::span<const std::byte> bytes) {
 }
 
 /// Takes a record off the front of `space`; false if it is not whole.
-bool take_record(std::span<const std::byte>& space, Record& record) {
+bool take_record(std::span<const std::byte>& space, LasRecordKind kind, Record& record) {
   constexpr std::size_t kUser = 2, kUserBytes = 16, kId = 18, kLength = 20;
-  if (space.size() < kLasRecordHeaderBytes) return false;
-  const std::size_t length = load<std::uint16_t>(space.data() + kLength);
-  if (space.size() - kLasRecordHeaderBytes < length) return false;
+  const bool is_short = kind == LasRecordKind::kShort;
+  const std::size_t header_bytes = is_short ? kLasRecordHeaderBytes : kLasExtendedRecordHeaderBytes;
+  if (space.size() < header_bytes) return false;
+  const std::byte* const stored = space.data() + kLength;
+  const std::uint64_t length = is_short ? load<std::uint16_t>(stored) : load<std::uint64_t>(stored);
+  if (space.size() - header_bytes < length) return false;
   record.user = fixed_text(space.subspan(kUser, kUserBytes));
   record.id = load<std::uint16_t>(space.data() + kId);
-  record.payload = space.subspan(kLasRecordHeaderBytes, length);
-  space = space.subspan(kLasRecordHeaderBytes + length);
+  record.payload = space.subspan(header_bytes, static_cast<std::size_t>(length));
+  space = space.subspan(header_bytes + record.payload.size());
   return true;
 }
 
@@ -86,24 +89,31 @@ void read_extra_bytes(std::span<const std::byte> payload, LasHeader& header) {
   }
 }
 
+void use_record(const Record& record, LasHeader& header) {
+  if (record.user == kLasSpecUser && record.id == kLasExtraBytesRecord && header.extra.empty()) {
+    read_extra_bytes(record.payload, header);
+  } else if (record.user == kLasStatementUser) {
+    header.stated.take(as_text(record.payload));
+    header.is_from_segserve = true;
+  } else if (record.user == kLasProjectionUser) {
+    header.reference_records.add(record.id, record.payload);
+  }
+}
+
 }  // namespace
 
-void read_las_records(std::span<const std::byte> space, std::uint32_t count, LasHeader& header) {
+void read_las_records(std::span<const std::byte> space, LasRecordKind kind, std::uint32_t count, StopCheck& check,
+                      LasHeader& header) {
   Record record;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (!take_record(space, record)) {
+  for (std::uint32_t i = 0; i < count && !check.after(1); ++i) {
+    if (!take_record(space, kind, record)) {
+      const bool is_short = kind == LasRecordKind::kShort;
       warn(header, WarningReason::kRowsNotUsed,
-           fmt::format("only {} of {} variable length records fit in front of the points; the others are not used", i,
-                       count));
-      break;
+           fmt::format("only {} of {} {}variable length records fit {}; the others are not used", i, count,
+                       is_short ? "" : "extended ", is_short ? "in front of the points" : "in the file"));
+      return;
     }
-    if (record.user == kLasSpecUser && record.id == kLasExtraBytesRecord && header.extra.empty()) {
-      read_extra_bytes(record.payload, header);
-    } else if (record.user == kLasStatementUser) {
-      header.stated.take(as_text(record.payload));
-      header.is_from_segserve = true;
-    }
-    header.has_reference_system = header.has_reference_system || record.user == "LASF_Projection";
+    use_record(record, header);
   }
 }
 

@@ -5,12 +5,17 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/stop_check.hpp"
 #include "core/codec/las/las_header.hpp"
 
 namespace segserve::codec {
 
-/// Reads the variable length records that matter: the description of extra bytes, and the view that segserve writes.
-/// `space` is what lies between the header and the points. Damaged records are not used, with a warning.
-void read_las_records(std::span<const std::byte> space, std::uint32_t count, LasHeader& header);
+/// The two kinds of variable length records: in front of the points, and extended ones behind them.
+enum class LasRecordKind : std::uint8_t { kShort, kExtended };
+
+/// Reads the variable length records that matter: the description of extra bytes, the reference system, and what
+/// segserve states. `space` is where the `count` records lie. Records that are not whole are not used, with a warning.
+void read_las_records(std::span<const std::byte> space, LasRecordKind kind, std::uint32_t count, StopCheck& check,
+                      LasHeader& header);
 
 }  // namespace segserve::codec

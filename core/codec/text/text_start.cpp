@@ -145,10 +145,7 @@ class StartFinder {
   absl::Status take_names(const LineReader::Line& line) {
     ColumnNames names = column_names(line.text);
     if (are_degrees({names.names.begin(), names.names.end()})) {
-      return fault(
-          "line {}: latitudes and longitudes are no coordinates in meters; project them first, for example to "
-          "UTM",
-          line.number);
+      return fault("line {}: {}", line.number, kDegreesAreRefused);
     }
     if (!names_.names.empty() || !names.position()) {
       return fault(

@@ -19,7 +19,9 @@ std::string rich_file() {
   const std::string descriptions = las_extra("segment", 5) + las_extra("height", 4, 8 | 16) + las_extra("raw", 0, 3);
   LasFile file = las_file(4, 7, 36 + 4 + 2 + 3, 5);
   file.records = las_record("LASF_Spec", 4, descriptions) + las_record("segserve", 1, "segserve view camera");
-  file.record_count = 2;
+  file.records += las_record("LASF_Projection", 2112, "PROJCS[\"a\",UNIT[\"m\",1]]") +
+                  las_record("LASF_Projection", 34735, std::string("\1\0\1\0\0\0\1\0\0\4\0\0\1\0\1\0", 16));
+  file.record_count = 4;
   for (char& c : file.body) c = static_cast<char>(c + 1);
   return file.bytes();
 }
@@ -101,7 +103,7 @@ TEST(LasMalformed, ExtendedRecordsAndWaveformsAreNoPoints) {
       if (minor == 3) put(bytes, 227, std::uint64_t{bytes.size()});
       if (minor == 4) put(bytes, 235, std::uint64_t{bytes.size()});
       if (minor == 4) put(bytes, 243, std::uint32_t{1});
-      const auto cloud = decode_las(bytes_of(bytes + std::string(600, 'e')), {});
+      const auto cloud = decode_las(bytes_of(bytes + las_extended_record("other", 1, std::string(540, 'e'))), {});
       ASSERT_TRUE(cloud.ok()) << cloud.status();
       EXPECT_EQ(cloud->cloud.size(), points);
       for (const Warning& warning : cloud->warnings) EXPECT_NE(warning.reason, WarningReason::kRowsNotUsed);
@@ -117,6 +119,24 @@ TEST(LasMalformed, RecordsThatDoNotFitAreMentioned) {
   wide.records = las_record("LASF_Spec", 4, las_extra("wide", 10));
   wide.record_count = 1;
   EXPECT_THAT(decode_las(bytes_of(wide.bytes()), {})->warnings.at(0).message, HasSubstr("'wide' do not fit"));
+}
+
+TEST(LasMalformed, ExtendedRecordsThatDoNotFitAreMentioned) {
+  const std::string file = las_file(4, 6, 30, 2).bytes();
+  std::string long_one = las_extended_record("LASF_Projection", 2112, "PROJCS[]");
+  put(long_one, 20, std::numeric_limits<std::uint64_t>::max() - 8);
+  for (const std::string& records : {std::string(), std::string(59, ' '), long_one}) {
+    for (const std::uint64_t offset : {std::uint64_t{file.size()}, std::numeric_limits<std::uint64_t>::max()}) {
+      std::string bytes = file + records;
+      put(bytes, 235, offset);
+      put(bytes, 243, std::numeric_limits<std::uint32_t>::max());
+      const auto cloud = decode_las(bytes_of(bytes), {});
+      ASSERT_TRUE(cloud.ok()) << cloud.status();
+      EXPECT_EQ(cloud->cloud.size(), 2U);
+      EXPECT_THAT(cloud->warnings.back().message,
+                  HasSubstr("only 0 of 4294967295 extended variable length records fit in the file"));
+    }
+  }
 }
 
 TEST(LasMalformed, TruncationsAndFlipsDoNoHarm) {

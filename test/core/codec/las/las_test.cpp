@@ -143,12 +143,15 @@ TEST(Las, NoPointsAreNoFault) { EXPECT_EQ(decode(las_file(2, 1, 28, 0).bytes()).
 TEST(Las, FilesOfOthersAreReadOrRefusedInWords) {
   const std::filesystem::path folder = std::filesystem::path(SEGSERVE_DATA_DIR) / "las";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "there is no " << folder;
-  const std::vector<std::pair<std::string, std::size_t>> expected{
-      {"1.2-with-color.las", 1065}, {"garbage_nVariableLength.las", 718},
-      {"gps-time-nan.las", 1},      {"no-points.las", 0},
-      {"spec_3.las", 10},           {"spurious.las", 1065},
-      {"test1_4.las", 1000},        {"utm15.las", 1},
-      {"permutation_1.0_1.las", 1}, {"permutation_1.2_3.las", 1}};
+  const std::vector<std::pair<std::string, std::size_t>> expected{{"1.2-with-color.las", 1065},
+                                                                  {"garbage_nVariableLength.las", 718},
+                                                                  {"gps-time-nan.las", 1},
+                                                                  {"no-points.las", 0},
+                                                                  {"spec_3.las", 10},
+                                                                  {"test1_4.las", 1000},
+                                                                  {"utm15.las", 1},
+                                                                  {"permutation_1.0_1.las", 1},
+                                                                  {"permutation_1.2_3.las", 1}};
   for (const auto& [name, points] : expected) {
     SCOPED_TRACE(name);
     const auto cloud = load_cloud(folder / name, {.keep_everything = true});
@@ -160,6 +163,8 @@ TEST(Las, FilesOfOthersAreReadOrRefusedInWords) {
     expect_fault(load_cloud(folder / name).status(), "this is LAZ, or COPC");
   }
   expect_fault(load_cloud(folder / "A4.e57").status(), "this is E57");
+  expect_fault(load_cloud(folder / "spurious.las").status(), "latitudes and longitudes are no coordinates");
+  EXPECT_EQ(load_cloud(folder / "test1_4.las")->placement.meters_per_unit(), 0.3048) << "US survey feet";
   const auto colored = load_cloud(folder / "1.2-with-color.las", {.keep_everything = true});
   EXPECT_NEAR(colored->file_position[0][0], 637012.24, 1e-6);
   EXPECT_NEAR(colored->file_position[1][0], 849028.31, 1e-6);

@@ -25,6 +25,15 @@ inline std::string las_record(std::string_view user, std::uint16_t id, std::stri
   return record.append(payload);
 }
 
+/// An extended variable length record.
+inline std::string las_extended_record(std::string_view user, std::uint16_t id, std::string_view payload) {
+  std::string record(60, '\0');
+  std::memcpy(record.data() + 2, user.data(), user.size());
+  put(record, 18, id);
+  put(record, 20, std::uint64_t{payload.size()});
+  return record.append(payload);
+}
+
 /// The description of an extra dimension, of a data type of the specification.
 inline std::string las_extra(std::string_view name, std::uint8_t type, std::uint8_t options = 0) {
   std::string description(192, '\0');
