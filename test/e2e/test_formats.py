@@ -153,6 +153,14 @@ class Formats(EndToEnd):
         self.assertEqual(in_meters["segments"], 2)
         self.assertEqual([w for w in in_meters["warnings"] if "taken as" in w["message"]], [])
 
+    def test_integers_that_ply_rounds_are_mentioned(self):
+        scene = self.path("stamps.csv")
+        points, _ = two_boxes()
+        scene.write_text("x,y,z,stamp\n" + "".join("{},{},{},1700000000123456789\n".format(*p) for p in points))
+        self.assertIn("800 of 800 values of 'stamp' are rounded", self.told_by(scene, "-o", self.path("out.ply"))[0]["message"])
+        for end in ("pcd", "las", "csv", "npy"):
+            self.assertEqual(self.told_by(scene, "-o", self.path("out." + end)), [])
+
     def test_las_files_of_others(self):
         out = self.path("out.las")
         for name in ("1.2-with-color.las", "test1_4.las", "spec_3.las"):

@@ -140,8 +140,11 @@ absl::StatusOr<EncodedFile> encode_file(const FileContent& content, FileFormat f
   switch (format) {
     case FileFormat::kPcd:
       return EncodedFile{encode_pcd(content, text ? PcdEncoding::kAscii : PcdEncoding::kBinaryCompressed), {}};
-    case FileFormat::kPly:
-      return EncodedFile{encode_ply(content, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian), {}};
+    case FileFormat::kPly: {
+      EncodedFile file;
+      file.bytes = encode_ply(content, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian, &file.warnings);
+      return file;
+    }
     case FileFormat::kLas:
       return encode_las(content);
     case FileFormat::kXyz:

@@ -3,12 +3,15 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <iterator>
+#include <limits>
 #include <vector>
 
 #include "core/codec/common/file_columns.hpp"
 #include "core/codec/common/file_statements.hpp"
+#include "core/codec/common/text_parsing.hpp"
 #include "segserve/codec/ply.hpp"
 
 namespace segserve::codec {
@@ -34,33 +37,53 @@ std::string encode_header(const FileContent& content, const FileTable& table, Pl
                      fmt::join(statements_of(content), "\ncomment "), table.points(), properties);
 }
 
-/// The attribute with doubles instead of integers of 64 bits.
-Attribute with_doubles(const Attribute& attribute) {
+/// Whether a double that was made of an integer is that integer.
+template <typename T>
+bool is_same(double made, T integer) {
+  return made < std::ldexp(1.0, std::numeric_limits<T>::digits) && static_cast<T>(made) == integer;
+}
+
+/// The attribute with doubles instead of its integers of type T, which has 64 bits. Warns of values that change.
+template <typename T>
+Attribute with_doubles(const Attribute& attribute, std::vector<Warning>& warnings) {
   Attribute doubles{attribute.name, ScalarType::kFloat64, attribute.count, {}};
   doubles.values.resize(attribute.values.size());
+  std::size_t changed = 0;
   for (std::size_t at = 0; at < attribute.values.size(); at += sizeof(double)) {
-    const double value = attribute.type == ScalarType::kInt64
-                             ? static_cast<double>(load<std::int64_t>(attribute.values.data() + at))
-                             : static_cast<double>(load<std::uint64_t>(attribute.values.data() + at));
+    const T integer = load<T>(attribute.values.data() + at);
+    const auto value = static_cast<double>(integer);
+    changed += is_same(value, integer) ? 0 : 1;
     std::memcpy(doubles.values.data() + at, &value, sizeof value);
+  }
+  if (changed > 0) {
+    warnings.push_back({WarningReason::kAttributeNotKept,
+                        fmt::format("{} of {} values of {} are rounded, because PLY has no integers of 64 bits; PCD, "
+                                    "LAS, NPY and text keep them",
+                                    changed, attribute.values.size() / sizeof(T), quoted(attribute.name))});
   }
   return doubles;
 }
 
 /// Attributes of the types that PLY has.
-std::vector<Attribute> ply_attributes(std::span<const Attribute> attributes) {
+std::vector<Attribute> ply_attributes(std::span<const Attribute> attributes, std::vector<Warning>& warnings) {
   std::vector<Attribute> all;
   for (const Attribute& attribute : attributes) {
-    const bool is_wide = attribute.type == ScalarType::kInt64 || attribute.type == ScalarType::kUint64;
-    all.push_back(is_wide ? with_doubles(attribute) : attribute);
+    if (attribute.type == ScalarType::kInt64) {
+      all.push_back(with_doubles<std::int64_t>(attribute, warnings));
+    } else if (attribute.type == ScalarType::kUint64) {
+      all.push_back(with_doubles<std::uint64_t>(attribute, warnings));
+    } else {
+      all.push_back(attribute);
+    }
   }
   return all;
 }
 
 }  // namespace
 
-std::string encode_ply(const FileContent& content, PlyEncoding encoding) {
-  const std::vector<Attribute> attributes = ply_attributes(content.attributes);
+std::string encode_ply(const FileContent& content, PlyEncoding encoding, std::vector<Warning>* warnings) {
+  std::vector<Warning> ignored;
+  const auto attributes = ply_attributes(content.attributes, warnings == nullptr ? ignored : *warnings);
   FileContent fitting = content;
   fitting.attributes = attributes;
   const FileTable table(fitting, ColorForm::kChannels);

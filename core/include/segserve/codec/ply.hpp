@@ -6,12 +6,14 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "segserve/cloud.hpp"
 #include "segserve/codec/decode_limits.hpp"
 #include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/codec/read_options.hpp"
+#include "segserve/codec/warning.hpp"
 #include "segserve/stop_token.hpp"
 
 // PLY 1.0, Stanford's polygon file format (https://paulbourke.net/dataformats/ply/).
@@ -40,10 +42,10 @@ absl::StatusOr<LabeledCloud> decode_ply(std::span<const std::byte> bytes, const 
 
 /// Writes a PLY file whose vertices have x y z (float, or double if the content has a position in the file), red green
 /// blue (uchar; if the cloud has color), the attributes, and label (uint; if there are labels). Both encodings keep
-/// numbers, colors and labels exactly, but for attributes with integers of 64 bits, which become doubles. A comment
-/// tells the view, another one the unit unless it is the meter. The rows and columns of an organized cloud are lost.
-/// Names of attributes are changed as by encode_pcd.
-std::string encode_ply(const FileContent& content, PlyEncoding encoding);
+/// numbers, colors and labels exactly, but for attributes with integers of 64 bits, which become doubles; `warnings`,
+/// if not null, is told of values that change. Comments tell the view, and the unit unless it is the meter. The rows
+/// and columns of an organized cloud are lost. Names of attributes are changed as by encode_pcd.
+std::string encode_ply(const FileContent& content, PlyEncoding encoding, std::vector<Warning>* warnings = nullptr);
 /// Does the same for a cloud and its labels: one entry per point, or none.
 std::string encode_ply(const CloudView& cloud, std::span<const std::uint32_t> label, PlyEncoding encoding);
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstring>
+#include <limits>
 #include <tuple>
 
 #include "segserve/codec/cloud_file.hpp"
@@ -165,6 +166,37 @@ TEST(FileFormat, NpyKeepsRowsAndPointsThatAreNotFinite) {
   expect_same_points(again.cloud, sample.cloud);
   EXPECT_EQ(again.cloud.width, 5U);
   EXPECT_EQ(again.cloud.height, 4U);
+}
+
+std::vector<std::string> warnings_of(const FileContent& content, FileFormat format) {
+  const auto file = encode_file(content, format);
+  EXPECT_TRUE(file.ok()) << file.status();
+  std::vector<std::string> messages;
+  for (const Warning& warning : file.ok() ? file->warnings : std::vector<Warning>())
+    messages.push_back(warning.message);
+  return messages;
+}
+
+TEST(FileFormat, IntegersThatPlyRoundsAreMentioned) {
+  const Cloud cloud = camera_cloud(2, 1);
+  constexpr std::int64_t kExact = std::int64_t{1} << 60U;
+  const std::vector<Attribute> attributes{
+      attribute<std::int64_t>("stamp", ScalarType::kInt64, {1'700'000'000'123'456'789, -1}),
+      attribute<std::uint64_t>("id", ScalarType::kUint64, {std::numeric_limits<std::uint64_t>::max(), 1U << 31U}),
+      attribute<std::int64_t>("most", ScalarType::kInt64, {0, std::numeric_limits<std::int64_t>::max()}),
+      attribute<std::int64_t>("exact", ScalarType::kInt64, {kExact, std::numeric_limits<std::int64_t>::min()})};
+  const FileContent content{.cloud = cloud, .attributes = attributes};
+  for (const FileFormat format : kClouds) {
+    SCOPED_TRACE(static_cast<int>(format));
+    if (format == FileFormat::kPly) {
+      EXPECT_THAT(warnings_of(content, format),
+                  ElementsAre(HasSubstr("1 of 2 values of 'stamp' are rounded"), HasSubstr("of 'id' are rounded"),
+                              HasSubstr("of 'most' are rounded")));
+    } else {
+      EXPECT_TRUE(warnings_of(content, format).empty());
+      EXPECT_EQ(find(read(write(content, format)), "stamp")->values, attributes[0].values);
+    }
+  }
 }
 
 TEST(FileFormat, TheUnitSurvives) {
