@@ -18,7 +18,7 @@ class Batch(EndToEnd):
         self.outputs.mkdir()
         for seed in range(1, 5):
             self.run_well("synth", "-o", self.inputs / f"scene{seed}.pcd", "-q", "--seed", seed, *SMALL)
-        self.run_well("synth", "-o", self.inputs / "last.ply", "-q", "--seed", 9, *SMALL)
+        self.run_well("synth", "-o", self.inputs / "last.ply", "--json", "-", "--seed", 9, *SMALL)
         (self.inputs / "notes.txt").write_text("not a cloud, not an input")
 
     def batch(self, *flags, where=None):

@@ -153,6 +153,17 @@ class Formats(EndToEnd):
         self.assertEqual(in_meters["segments"], 2)
         self.assertEqual([w for w in in_meters["warnings"] if "taken as" in w["message"]], [])
 
+    def test_the_rows_of_an_organized_cloud_are_mentioned_if_they_are_not_kept(self):
+        scene = self.path("organized.pcd")
+        scene.write_text("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 40\nHEIGHT 20\nPOINTS 800\nDATA ascii\n" +
+                         "".join(f"{0.004 * (i % 40)} {0.004 * (i // 40)} 1\n" for i in range(800)))
+        for end in ("ply", "las", "csv", "xyz"):
+            out = self.path("out." + end)
+            self.assertIn("the rows and columns of the organized cloud (40 x 20)", self.told_by(scene, "-o", out)[0]["message"])
+        for end in ("pcd", "npy", "label", "segs.json"):
+            self.assertEqual(self.told_by(scene, "-o", self.path("out." + end)), [])
+        self.assertEqual(self.told_by(scene), [])
+
     def test_integers_that_ply_rounds_are_mentioned(self):
         scene = self.path("stamps.csv")
         points, _ = two_boxes()

@@ -175,7 +175,7 @@ class CutOfAnotherCloud(EndToEnd):
 
     def test_the_format_of_the_file_does_not_matter(self):
         result, ply = self.result(self.scene, "--local"), self.path("same.ply")
-        self.run_well("segment", self.scene, "--local", "-q", "-o", ply, "--encoding", "ascii")
+        self.run_well("segment", self.scene, "--local", "--json", "-", "-o", ply, "--encoding", "ascii")
         self.run_well(*self.cut(result, ply))
         self.run_well(*self.cut(result, "-"), stdin=ply.read_bytes())
 
@@ -303,7 +303,7 @@ class FilesOfOneName(EndToEnd):
         a, b, out = self.path("a"), self.path("b"), self.path("out")
         for path in (a / "s1.pcd", a / "s1.ply", a / "s2.ply", b / "s1.pcd", b / "s3.pcd"):
             path.parent.mkdir(exist_ok=True)
-            self.run_well("synth", "-q", "-o", path, *SMALL)
+            self.run_well("synth", "--json", "-", "-o", path, *SMALL)
         self.assertEqual(self.segment(a, "--out-dir", out), "3 segmented, 0 done before, 0 failed\n")
         self.assertEqual(self.names(out), {f"{name}{kind}" for name in ("s1", "s1.ply", "s2") for kind in (".pcd", ".json")})
         self.assertEqual(json.loads((out / "s1.ply.json").read_text())["batch"]["input"], str(a / "s1.ply"))
@@ -319,7 +319,7 @@ class FilesOfOneName(EndToEnd):
     def test_an_output_of_another_file_is_not_taken_for_done(self):
         a, out = self.path("a"), self.path("out")
         a.mkdir()
-        self.run_well("synth", "-q", "-o", a / "s1.ply", *SMALL)
+        self.run_well("synth", "--json", "-", "-o", a / "s1.ply", *SMALL)
         self.segment(a, "--out-dir", out)
         (a / "s1.ply").rename(a / "s1.pcd")  # the name of a file does not matter to its reader
         self.assertEqual(self.segment(a, "--out-dir", out), "1 segmented, 0 done before, 0 failed\n")

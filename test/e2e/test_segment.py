@@ -51,7 +51,7 @@ class Formats(EndToEnd):
                                ("a.ply", "ascii"), ("b.PLY", "binary")):
             with self.subTest(name=name, encoding=encoding):
                 copy = self.path(name)
-                self.run_well("segment", scene, "--local", "-q", "-o", copy, "--encoding", encoding)
+                self.run_well("segment", scene, "--local", "--json", "-", "-o", copy, "--encoding", encoding)
                 labels, _ = self.segment(copy, "--view", "camera")  # PLY files do not tell the view.
                 self.assertEqual(labels, expected)
 

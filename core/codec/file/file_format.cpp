@@ -91,6 +91,47 @@ absl::Status check_labels(const FileContent& content) {
   return absl::InvalidArgumentError("the format has nothing but labels, and the cloud has none");
 }
 
+/// Whether the format is one for clouds that are read again, and has points in a single row.
+bool has_a_single_row(FileFormat format) {
+  return format == FileFormat::kPly || format == FileFormat::kLas || format == FileFormat::kXyz ||
+         format == FileFormat::kCsv;
+}
+
+absl::StatusOr<EncodedFile> encode_as(const FileContent& content, FileFormat format, FileEncoding encoding,
+                                      std::string_view scene) {
+  const bool text = encoding == FileEncoding::kText;
+  switch (format) {
+    case FileFormat::kPcd:
+      return EncodedFile{encode_pcd(content, text ? PcdEncoding::kAscii : PcdEncoding::kBinaryCompressed), {}};
+    case FileFormat::kPly: {
+      EncodedFile file;
+      file.bytes = encode_ply(content, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian, &file.warnings);
+      return file;
+    }
+    case FileFormat::kLas:
+      return encode_las(content);
+    case FileFormat::kXyz:
+      return EncodedFile{encode_text_table(content, Separator::kSpace), {}};
+    case FileFormat::kCsv:
+      return EncodedFile{encode_text_table(content, Separator::kComma), {}};
+    case FileFormat::kNpy:
+      return EncodedFile{encode_npy(content), {}};
+    case FileFormat::kSegsJson:
+      RETURN_IF_ERROR(check_labels(content));
+      return EncodedFile{encode_segs_json(content.label, scene), {}};
+    case FileFormat::kKittiLabel: {
+      RETURN_IF_ERROR(check_labels(content));
+      ASSIGN_OR_RETURN(std::string bytes, encode_kitti_label(content.label));
+      return EncodedFile{std::move(bytes), {}};
+    }
+    case FileFormat::kGlb:
+      return encode_gltf(content, GltfForm::kBinary);
+    case FileFormat::kGltf:
+      break;
+  }
+  return encode_gltf(content, GltfForm::kText);
+}
+
 }  // namespace
 
 bool has_extension(std::string_view path, std::string_view extension) {
@@ -136,37 +177,15 @@ std::string scene_name(std::string_view path) {
 
 absl::StatusOr<EncodedFile> encode_file(const FileContent& content, FileFormat format, FileEncoding encoding,
                                         std::string_view scene) {
-  const bool text = encoding == FileEncoding::kText;
-  switch (format) {
-    case FileFormat::kPcd:
-      return EncodedFile{encode_pcd(content, text ? PcdEncoding::kAscii : PcdEncoding::kBinaryCompressed), {}};
-    case FileFormat::kPly: {
-      EncodedFile file;
-      file.bytes = encode_ply(content, text ? PlyEncoding::kAscii : PlyEncoding::kBinaryLittleEndian, &file.warnings);
-      return file;
-    }
-    case FileFormat::kLas:
-      return encode_las(content);
-    case FileFormat::kXyz:
-      return EncodedFile{encode_text_table(content, Separator::kSpace), {}};
-    case FileFormat::kCsv:
-      return EncodedFile{encode_text_table(content, Separator::kComma), {}};
-    case FileFormat::kNpy:
-      return EncodedFile{encode_npy(content), {}};
-    case FileFormat::kSegsJson:
-      RETURN_IF_ERROR(check_labels(content));
-      return EncodedFile{encode_segs_json(content.label, scene), {}};
-    case FileFormat::kKittiLabel: {
-      RETURN_IF_ERROR(check_labels(content));
-      ASSIGN_OR_RETURN(std::string bytes, encode_kitti_label(content.label));
-      return EncodedFile{std::move(bytes), {}};
-    }
-    case FileFormat::kGlb:
-      return encode_gltf(content, GltfForm::kBinary);
-    case FileFormat::kGltf:
-      break;
+  ASSIGN_OR_RETURN(EncodedFile file, encode_as(content, format, encoding, scene));
+  const CloudView& cloud = content.cloud;
+  if (cloud.height > 1 && has_a_single_row(format)) {
+    file.warnings.push_back({WarningReason::kAttributeNotKept,
+                             fmt::format("the rows and columns of the organized cloud ({} x {}) are not kept; PCD and "
+                                         "NPY keep them",
+                                         cloud.width, cloud.height)});
   }
-  return encode_gltf(content, GltfForm::kText);
+  return file;
 }
 
 }  // namespace segserve::codec

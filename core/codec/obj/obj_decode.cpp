@@ -42,7 +42,7 @@ class Vertices {
   static constexpr std::size_t kNumbers = 6;
   static constexpr std::size_t kMostNumbers = 7;
 
-  explicit Vertices(bool keep_normals) : keep_normals_(keep_normals) {}
+  explicit Vertices(bool keep_everything) : keep_everything_(keep_everything) {}
 
   absl::Status read(std::string_view file, const DecodeLimits& limits, StopCheck& check) {
     LineReader lines(file);
@@ -56,7 +56,9 @@ class Vertices {
         RETURN_IF_ERROR(check_points(kPrefix, size(), limits));
         RETURN_IF_ERROR(check_decoded_points(kPrefix, size(), kNumbers * sizeof(double), limits));
       } else if (keyword == "vn") {
-        if (keep_normals_) add_normal(rest);
+        if (keep_everything_) add_normal(rest);
+      } else if (keyword == "f" || keyword == "fo" || keyword == "l") {
+        ++connections_;
       } else if (keyword == "usemtl" || keyword == "usemap") {
         has_materials_ = true;
       } else if (!is_keyword(keyword)) {
@@ -75,7 +77,7 @@ class Vertices {
   }
 
   /// Whether the normals are those of the vertices, one after the other, as programs write them for clouds.
-  bool has_normals() const { return keep_normals_ && size() > 0 && normals_.size() == 3 * size(); }
+  bool has_normals() const { return keep_everything_ && size() > 0 && normals_.size() == 3 * size(); }
   Column normal_column(std::size_t axis) const {
     return {reinterpret_cast<const std::byte*>(normals_.data() + axis), 3 * sizeof(double), ScalarType::kFloat64};
   }
@@ -85,6 +87,11 @@ class Vertices {
       warnings.push_back(
           {WarningReason::kAttributeNotKept,
            fmt::format("the normals are not kept: {} vertices have {} of them", size(), normals_.size() / 3)});
+    }
+    if (keep_everything_ && connections_ > 0) {
+      warnings.push_back(
+          {WarningReason::kAttributeNotKept,
+           fmt::format("the faces and lines between the vertices are not kept; there are {}", connections_)});
     }
     if (strange_ > 0) {
       warnings.push_back({WarningReason::kRowsNotUsed,
@@ -129,9 +136,9 @@ class Vertices {
     if (is_read) normals_.insert(normals_.end(), normal.begin(), normal.end());
   }
 
-  bool keep_normals_;
+  bool keep_everything_;
   std::vector<double> values_, normals_;
-  std::size_t colored_ = 0, strange_ = 0;
+  std::size_t colored_ = 0, strange_ = 0, connections_ = 0;
   std::string first_strange_;
   bool has_materials_ = false;
   bool is_continued_ = false;  // the last line ends in a backslash

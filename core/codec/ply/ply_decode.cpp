@@ -89,19 +89,21 @@ absl::Status read_element(const PlyElement& element, Values& values, StopCheck& 
 }
 
 /// Walks over what follows the vertices, which is not needed, only to warn if it is not what the header promises.
+/// Returns false if it is damaged.
 template <typename Values>
-void check_rest(const PlyHeader& header, Values& values, StopCheck& check, std::vector<Warning>& warnings) {
+bool check_rest(const PlyHeader& header, Values& values, StopCheck& check, std::vector<Warning>& warnings) {
   for (std::size_t i = header.vertex + 1; i < header.elements.size(); ++i) {
     const absl::Status damage = read_element<Values>(header.elements[i], values, check, nullptr);
-    if (check.stopped()) return;
+    if (check.stopped()) return true;
     if (!damage.ok()) {
       warnings.push_back(
           {WarningReason::kRowsNotUsed,
            fmt::format("what follows the vertices is not used, and damaged: {}", std::string(damage.message()))});
-      return;
+      return false;
     }
   }
   values.warn_of_surplus(header.elements.back(), warnings);
+  return true;
 }
 
 /// Reads the body of a file, whose header is known.
@@ -131,8 +133,12 @@ class BodyReader {
     for (std::size_t i = 0; i <= header_.vertex; ++i) {
       RETURN_IF_ERROR(read_element(header_.elements[i], values, check, i == header_.vertex ? &vertices : nullptr));
     }
-    check_rest(header_, values, check, out_.warnings);
-    if (options_.keep_everything) warn_of_lists(vertex);
+    const bool is_whole = check_rest(header_, values, check, out_.warnings);
+    if (options_.keep_everything) {
+      warn_of_lists(vertex);
+      // Damaged elements behind the vertices were mentioned.
+      warn_of_elements(is_whole ? header_.elements.size() : header_.vertex);
+    }
     const auto column = [&](std::size_t property) {
       Column values_of_property = vertices.rows.column(property);
       values_of_property.order = values.order();
@@ -151,11 +157,23 @@ class BodyReader {
     return read_points(table, {}, options_, stop_, out_);
   }
 
+  void warn_not_kept(std::string message) {
+    out_.warnings.push_back({WarningReason::kAttributeNotKept, std::move(message)});
+  }
+
   void warn_of_lists(const PlyElement& vertex) {
     for (const PlyProperty& property : vertex.properties) {
-      if (!property.length_type) continue;
-      out_.warnings.push_back(
-          {WarningReason::kAttributeNotKept, fmt::format("the list {} is not kept", quoted(property.name))});
+      if (property.length_type) warn_not_kept(fmt::format("the list {} is not kept", quoted(property.name)));
+    }
+  }
+
+  /// Warns of the elements before `end` other than the vertices.
+  void warn_of_elements(std::size_t end) {
+    for (std::size_t i = 0; i < end; ++i) {
+      const PlyElement& element = header_.elements[i];
+      if (i == header_.vertex || element.rows == 0) continue;
+      warn_not_kept(fmt::format("the element {} is not kept, which has {} row{}", quoted(element.name), element.rows,
+                                element.rows == 1 ? "" : "s"));
     }
   }
 

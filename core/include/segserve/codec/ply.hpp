@@ -26,7 +26,8 @@ enum class PlyEncoding : std::uint8_t { kAscii, kBinaryLittleEndian };
 bool is_ply(std::string_view file);
 
 /// Reads the element `vertex` of a PLY file (ascii, or binary of either byte order) from untrusted bytes. The
-/// properties may have any order. Other elements and properties, lists included, are skipped. Coordinates, colors,
+/// properties may have any order. Other elements and properties, lists included, are skipped, which is told in
+/// a warning if everything is to be kept. Coordinates, colors,
 /// labels and text are those of decode_pcd. What follows the vertices is only looked at: if it is damaged, missing or
 /// more than the header promises, a warning says so.
 ///

@@ -177,6 +177,20 @@ std::vector<std::string> warnings_of(const FileContent& content, FileFormat form
   return messages;
 }
 
+TEST(FileFormat, RowsAndColumnsThatAFormatCannotHoldAreMentioned) {
+  const Cloud organized = camera_cloud(3, 2), row = camera_cloud(6, 1);
+  for (const FileFormat format : kClouds) {
+    SCOPED_TRACE(static_cast<int>(format));
+    EXPECT_TRUE(warnings_of({.cloud = row}, format).empty());
+    const auto warnings = warnings_of({.cloud = organized}, format);
+    if (format == FileFormat::kPcd || format == FileFormat::kNpy) {
+      EXPECT_TRUE(warnings.empty());
+    } else {
+      EXPECT_THAT(warnings, ElementsAre(HasSubstr("the rows and columns of the organized cloud (3 x 2) are not kept")));
+    }
+  }
+}
+
 TEST(FileFormat, IntegersThatPlyRoundsAreMentioned) {
   const Cloud cloud = camera_cloud(2, 1);
   constexpr std::int64_t kExact = std::int64_t{1} << 60U;

@@ -27,6 +27,14 @@ TEST(Obj, VerticesAndTheirColorsAreRead) {
   EXPECT_TRUE(cloud->warnings.empty());
 }
 
+TEST(Obj, FacesAreMentionedIfEverythingIsToBeKept) {
+  const auto cloud = decode_obj(bytes_of("v 1 2 3\nv 4 5 6\nv 7 8 8\nf 1 2 3\nl 1 2\n"), {}, {.keep_everything = true});
+  ASSERT_TRUE(cloud.ok()) << cloud.status();
+  ASSERT_EQ(cloud->warnings.size(), 1U);
+  EXPECT_EQ(cloud->warnings[0].reason, WarningReason::kAttributeNotKept);
+  EXPECT_THAT(cloud->warnings[0].message, HasSubstr("faces and lines between the vertices are not kept; there are 2"));
+}
+
 TEST(Obj, NormalsAreKeptIfEachVertexHasOne) {
   const auto kept = [](std::string_view file) { return decode_obj(bytes_of(file), {}, {.keep_everything = true}); };
   const auto cloud = kept("v 1 2 3\nvn 0 0 1\nv 4 5 6\nvn 0 1 0\n");

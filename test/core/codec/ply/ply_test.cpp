@@ -201,6 +201,20 @@ TEST(PlyRead, ListsOfVerticesAreMentioned) {
   EXPECT_THAT(read->warnings[0].message, testing::HasSubstr("'track'"));
 }
 
+TEST(PlyRead, OtherElementsAreMentionedIfEverythingIsToBeKept) {
+  const std::string file =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 2\nproperty list uchar int vertex_indices\nelement camera 1\nproperty float view_px\n"
+      "element edge 0\nproperty int vertex1\nend_header\n1 2 3\n3 0 0 0\n3 0 0 0\n0.5\n";
+  const auto kept = decode_ply(bytes_of(file), {}, {.keep_everything = true});
+  ASSERT_TRUE(kept.ok()) << kept.status();
+  ASSERT_EQ(kept->warnings.size(), 2U);
+  EXPECT_EQ(kept->warnings[0].reason, WarningReason::kAttributeNotKept);
+  EXPECT_EQ(kept->warnings[0].message, "the element 'face' is not kept, which has 2 rows");
+  EXPECT_EQ(kept->warnings[1].message, "the element 'camera' is not kept, which has 1 row");
+  EXPECT_TRUE(decode(file).warnings.empty());
+}
+
 TEST(PlyRead, ViewIsWorldWithoutSensorUnlessGiven) {
   const std::string file =
       "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
