@@ -8,13 +8,15 @@
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
 #include "proto/wire/byte_run.hpp"
+#include "segserve/tracking.hpp"
 #include "server/stream/protocol_violation.hpp"
 
 namespace segserve::server {
 namespace {
 
-// Only the shape, the options and the layout of a frame are in its header; the payload comes in chunks.
-constexpr std::size_t kMostHeaderBytes = std::size_t{64} << 10U;
+// The state of tracks, and some bytes for the shape, the options, the prompts and the layout of a frame, of which the
+// largest are 64 cameras and 128 prompts. The payload comes in chunks.
+constexpr std::size_t kMostHeaderBytes = TrackState::kMostBytes + (std::size_t{64} << 10U);
 
 // See SessionProtocol::cut_off_upload.
 constexpr std::chrono::milliseconds kMoment{100};

@@ -148,7 +148,7 @@ class Attacks(EndToEnd):
         name = delimited(1, b"n" * (4 * MIB))
         code, text = self.end_of_stream(OPEN, delimited(2, b"\x08\x01" + delimited(5, delimited(18, delimited(1, name)))))
         self.assertEqual(code, grpc.StatusCode.INVALID_ARGUMENT)
-        self.assertIn("the header of frame 1 has more than 65536 bytes", text)
+        self.assertIn("the header of frame 1 has more than 163840 bytes", text)
 
     def test_unknown_fields_for_server_info_are_not_parsed(self):
         info = self.channel.unary_unary("/segserve.v1.SegmentationService/GetServerInfo")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """segctl segment --track follows objects through folders and recordings, and segctl eval --track scores that."""
 import json
+import math
 import shutil
 import unittest
 
@@ -9,6 +10,20 @@ import pcd
 import recordings
 
 FRAMES = 8
+
+
+def many_objects(shift):
+    """The points and packed colors of 256 bent sheets beside each other, which is the most that a track state holds."""
+    points, colors = [], []
+    for sheet in range(256):
+        x, y = 0.5 * (sheet % 16), 0.5 * (sheet // 16)
+        color = sheet * 2654435761 % (1 << 24)
+        for i in range(20):
+            for j in range(20):
+                bend = 0.02 * math.sin(0.06 * i * (sheet % 7))
+                points.append((round(x + 0.012 * i + shift, 4), round(y + 0.012 * j, 4), round(2 + 0.1 * (sheet % 5) + bend, 4)))
+                colors.append(color)
+    return points, colors
 
 
 class Tracking(EndToEnd):
@@ -133,6 +148,18 @@ class Tracking(EndToEnd):
         self.assertEqual([s["name"] for s in both["sequences"]], ["a", "b"])
         self.assertAlmostEqual(both["mean"]["hota"], sequence["hota"])
         self.assertIn("HOTA", self.run_well("eval", "--data", folder, "--track").stdout.decode())
+
+    def test_a_stream_follows_as_many_objects_as_a_state_holds(self):
+        folder = self.path("many")
+        folder.mkdir()
+        for i in range(3):
+            points, colors = many_objects(shift=0.002 * i)
+            (folder / f"{i}.0.pcd").write_bytes(pcd.ascii_file(points, colors))
+        lines = self.follow(folder, "--server", self.server.address)
+        self.assertGreater(min(line["track_state_bytes"] for line in lines), 64 << 10)
+        done = self.run_well("stream", folder, "--track", "--wait", "--json", "-", "--server", self.server.address)
+        told = json.loads(done.stdout)
+        self.assertEqual((told["results"], told["failed"]), (3, 0), told)
 
     def test_misuse_is_explained(self):
         folder = self.moving()

@@ -246,6 +246,39 @@ TEST(Session, BytesBeyondTheCreditEndTheStream) {
   expect_violation(other, "credit of 100 bytes");
 }
 
+void set_place(auto& message) {
+  message.set_x(0.1);
+  message.set_y(0.1);
+  message.set_z(0.1);
+}
+
+/// A header with the largest track state and with as many cameras and prompts as the API allows.
+v1::FrameHeader largest_header() {
+  v1::FrameHeader header = SentFrame(1).header;
+  header.set_request_id(std::string(256, 'r'));
+  header.set_frame_id(std::string(256, 'f'));
+  for (std::size_t i = 0; i < kMostCameras; ++i) {
+    v1::CameraPoints& camera = *header.mutable_cloud()->mutable_view()->add_cameras();
+    camera.set_points(1U << 31U);
+    set_place(*camera.mutable_sensor());
+  }
+  for (std::size_t i = 0; i < kMostPrompts; ++i) {
+    set_place(*header.mutable_prompts()->add_include()->mutable_position());
+    set_place(*header.mutable_prompts()->add_exclude()->mutable_position());
+  }
+  header.mutable_tracking()->set_state(std::string(TrackState::kMostBytes, 's'));
+  for (int i = 0; i < 9; ++i) header.mutable_tracking()->mutable_pose()->add_rotation(1);
+  return header;
+}
+
+TEST(Session, AHeaderMayHaveAllThatTheApiAllows) {
+  SessionHarness harness;
+  harness.open();
+  harness.say_header(largest_header());
+  EXPECT_EQ(harness.outcome().kind(), v1::OUTCOME_KIND_FAILED) << "these bytes are no state";
+  EXPECT_FALSE(harness.session->ended()) << *harness.session->ended();
+}
+
 TEST(Session, BreakingTheProtocolEndsTheStream) {
   const auto after_open = [](const auto& say, const std::string& text) {
     SessionHarness harness;
