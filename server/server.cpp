@@ -22,6 +22,7 @@
 #include "server/http/http_server.hpp"
 #include "server/http/http_tls.hpp"
 #include "server/listener/address_claim.hpp"
+#include "server/listener/file_descriptors.hpp"
 #include "server/memory/memory_ledger.hpp"
 #include "server/metrics/service_metrics.hpp"
 #include "server/metrics/tls_metrics.hpp"
@@ -192,7 +193,9 @@ absl::Status GrpcServer::serve_http(const ListenAddress& address) {
                                      service_, health_, std::move(metrics));
   auto tls = certificates_ ? std::make_unique<HttpTls>(certificates_) : nullptr;
   const char* const scheme = certificates_ ? "https" : "http";
-  ASSIGN_OR_RETURN(http_server_, HttpServer::start(address, *entrance_, std::move(tls)));
+  HttpLimits limits;
+  limits.connections = connections_beside_grpc(limits.connections);
+  ASSIGN_OR_RETURN(http_server_, HttpServer::start(address, *entrance_, std::move(tls), limits));
   spdlog::info("the web entrance is at {}://{}/", scheme, with_port(address, http_server_->port()));
   return absl::OkStatus();
 }

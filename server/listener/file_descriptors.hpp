@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace segserve::server {
@@ -12,6 +13,11 @@ struct FileDescriptors {
 };
 
 FileDescriptors file_descriptors();
+
+/// The number of connections that an entrance beside gRPC may have: `most`, or as many as a quarter of the limit holds
+/// if each takes so many descriptors. The rest of the limit is for gRPC, which accepts no connections any more once it
+/// has found no descriptor for one (CVE-2023-4785 in gRPC 1.51).
+std::size_t connections_beside_grpc(std::size_t most, std::size_t descriptors_of_connection = 1);
 
 /// Raises the limit as far as the system allows it without rights.
 void raise_file_descriptor_limit();

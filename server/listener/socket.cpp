@@ -19,6 +19,8 @@ absl::StatusOr<Socket> listen_at(const addrinfo& address) {
   if (!socket.is_open()) return failure(std::strerror(errno));
   const int yes = 1;  // a server that starts again need not wait until the last connections are forgotten
   setsockopt(socket.descriptor(), SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  const int no = 0;  // the address for all of IPv6 is one for all of IPv4, too
+  if (address.ai_family == AF_INET6) setsockopt(socket.descriptor(), IPPROTO_IPV6, IPV6_V6ONLY, &no, sizeof no);
   if (bind(socket.descriptor(), address.ai_addr, address.ai_addrlen) != 0 ||
       listen(socket.descriptor(), SOMAXCONN) != 0) {
     return failure(std::strerror(errno));

@@ -25,6 +25,8 @@ class Socket {
   }
 
   int descriptor() const { return descriptor_; }
+  /// Leaves the descriptor to the caller, who closes it.
+  int release() { return std::exchange(descriptor_, -1); }
   bool is_open() const { return descriptor_ >= 0; }
 
  private:

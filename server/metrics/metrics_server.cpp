@@ -19,6 +19,7 @@
 #include "core/base/status_text.hpp"
 #include "fmt/format.h"
 #include "server/frames/catch_exceptions.hpp"
+#include "server/listener/file_descriptors.hpp"
 #include "server/listener/socket.hpp"
 #include "server/metrics/http_answer.hpp"
 
@@ -64,6 +65,7 @@ class PollingServer final : public MetricsServer {
 
   const Socket listener_, wake_;
   const std::shared_ptr<MetricsText> page_;
+  const std::size_t most_ = connections_beside_grpc(kMostConnections);
   std::list<Connection> connections_;  // the oldest first
   std::vector<pollfd> polled_;
   Clock::time_point accept_after_{};
@@ -107,14 +109,14 @@ bool PollingServer::wait(Clock::time_point now) {
 }
 
 void PollingServer::accept_all(Clock::time_point now) {
-  for (std::size_t i = 0; i < kMostConnections; ++i) {
+  for (std::size_t i = 0; i < most_; ++i) {
     Socket socket(accept4(listener_.descriptor(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (!socket.is_open()) {
       const bool is_none_left = errno == EAGAIN || errno == EWOULDBLOCK;
       if (!is_none_left) accept_after_ = now + kPause;
       return;
     }
-    if (connections_.size() == kMostConnections) connections_.pop_front();
+    if (connections_.size() >= most_) connections_.pop_front();
     connections_.push_back({std::move(socket), now + kConnectionTime, {}, {}});
   }
 }

@@ -61,6 +61,52 @@ class FileDescriptors(EndToEnd):
         self.assertEqual(next(liveness), NOT_SERVING)
 
 
+class IdleConnections(EndToEnd):
+    """Connections that bring nothing, to an entrance beside gRPC, leave gRPC its descriptors."""
+
+    def setUp(self):
+        files = {name: self.path(f"{name}-port") for name in ("health", "http", "metrics")}
+        ports = [part for name, path in files.items() for part in (f"--{name}-port-file", str(path))]
+        self.one = Server(self.folder, "--listener-check", "0.5", "--health-listen", "127.0.0.1:0", "--http",
+                          "127.0.0.1:0", "--metrics-listen", "127.0.0.1:0", *ports,
+                          before=at_most(resource.RLIMIT_NOFILE, 128))
+        self.addCleanup(self.one.close)
+        self.ports = {name: int(path.read_text()) for name, path in files.items()}
+
+    def flood(self, port, count):
+        connections = []
+        for _ in range(count):
+            connections.append(socket.create_connection(("127.0.0.1", port), timeout=5))
+            self.addCleanup(connections[-1].close)
+        return connections
+
+    def served(self):
+        self.run_well("health", "--server", self.one.address, "--timeout", "5")
+        self.assertIsNone(self.one.process.poll())
+
+    def test_they_leave_grpc_its_descriptors(self):
+        for name, port in self.ports.items():
+            with self.subTest(entrance=name):
+                connections = self.flood(port, 160)
+                time.sleep(2.5)  # longer than three checks of the listeners
+                self.served()
+                self.run_well("health", "--server", f"127.0.0.1:{self.ports['health']}", "--timeout", "5")
+                for connection in connections:
+                    connection.close()
+        self.served()
+
+    def test_probes_are_answered_while_others_hold_connections(self):
+        self.flood(self.ports["health"], 160)
+        for _ in range(20):
+            self.run_well("health", "--server", f"127.0.0.1:{self.ports['health']}", "--timeout", "5")
+
+    def test_a_silent_connection_to_the_health_port_ends(self):
+        silent = self.flood(self.ports["health"], 1)[0]
+        silent.settimeout(20)
+        while silent.recv(4096):  # the server's settings of HTTP/2, and at last the end
+            pass
+
+
 @unittest.skipUnless(IS_FAST, "a sanitizer needs a large address space")
 class AddressSpace(EndToEnd):
     def test_every_call_ends_and_so_does_the_server(self):
