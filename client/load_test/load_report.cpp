@@ -131,6 +131,7 @@ double Report::mean_stage_ms(std::size_t stage) const {
 }
 
 double Report::least_share_percent() const {
+  if (least_share_of_runs) return *least_share_of_runs;
   if (finished == 0 || finished_of_client.empty()) return 0;
   const auto least = static_cast<double>(std::ranges::min(finished_of_client));
   return 100 * least * static_cast<double>(finished_of_client.size()) / static_cast<double>(finished);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,7 +48,8 @@ struct Report {
   std::uint64_t bytes_up = 0, bytes_down = 0;              ///< of frames with a result
   std::uint64_t finished = 0;                              ///< results that came within the window
   std::uint64_t finished_points = 0;                       ///< in their frames
-  std::vector<std::uint64_t> finished_of_client;           ///< one number for each client
+  std::vector<std::uint64_t> finished_of_client;           ///< one number for each client; empty for several runs
+  std::optional<double> least_share_of_runs;               ///< of several runs: the lowest least_share_percent
   Latencies latency;                                       ///< from the intended time of sending
   Latencies since_sent;                                    ///< from the actual time of sending
   double encode_ms = 0;                                    ///< that the client spent on encoding all frames
@@ -70,8 +72,8 @@ struct Report {
   std::uint64_t failed() const { return sent - results - dropped; }
   double error_percent() const;                   ///< frames without a result; 100 if nothing was sent
   double mean_stage_ms(std::size_t stage) const;  ///< over the frames with a result
-  /// The finished results of the client that got the fewest, as a percentage of the mean of all clients; 0 if there was
-  /// no result.
+  /// The finished results of the client that got the fewest, as a percentage of the mean of all clients of its run; 0
+  /// if there was no result.
   double least_share_percent() const;
 };
 

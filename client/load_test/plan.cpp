@@ -65,6 +65,16 @@ absl::StatusOr<LoadRuns> run_once(const LoadPlan& plan, const std::vector<Object
   return runs;
 }
 
+/// The clients of several runs have no common share, so that the total has that of the run where it is lowest.
+void tell_least_share(LoadRuns& runs) {
+  Report& total = runs.result.total;
+  total.finished_of_client.clear();
+  for (const LoadPoint& point : runs.points) {
+    const double share = point.report.least_share_percent();
+    total.least_share_of_runs = std::min(share, total.least_share_of_runs.value_or(share));
+  }
+}
+
 /// A run for each number of clients.
 absl::StatusOr<LoadRuns> run_sweep(const LoadPlan& plan, const std::vector<Objective>& objectives,
                                    const LoadRunner& runner, const LoadObserver& observer) {
@@ -83,7 +93,7 @@ absl::StatusOr<LoadRuns> run_sweep(const LoadPlan& plan, const std::vector<Objec
       runs.result.append(result);
     }
   }
-  runs.result.total.finished_of_client.clear();  // the clients of several runs have no common share
+  tell_least_share(runs);
   return runs;
 }
 

@@ -52,7 +52,26 @@ TEST(Plan, ASweepHasAPointForEachNumberOfClientsAndTheSumOfAll) {
   EXPECT_EQ(runs->result.total.results, 70U);
   EXPECT_DOUBLE_EQ(runs->result.total.seconds, 3);
   EXPECT_DOUBLE_EQ(runs->result.timeline[2].t, 2) << "one run follows the other";
-  EXPECT_EQ(runs->result.total.least_share_percent(), 0) << "clients of different runs have no common share";
+}
+
+TEST(Plan, TheLeastShareOfASweepIsThatOfItsLeastFairRun) {
+  LoadPlan plan;
+  plan.client_counts = {1, 2, 3};
+  const auto runs = run_plan(plan, {},
+                             [](const LoadOptions& load, const LoadObserver&) {
+                               LoadResult result = made_up(load.clients, 10, 10);
+                               Report& part = result.parts.front().front();
+                               part.finished = 4 * load.clients;
+                               part.finished_of_client.assign(load.clients, 4);
+                               if (load.clients == 2) part.finished_of_client = {3, 5};
+                               result.summarize();
+                               return result;
+                             },
+                             {});
+  ASSERT_TRUE(runs.ok()) << runs.status();
+  EXPECT_DOUBLE_EQ(runs->result.total.least_share_percent(), 75);
+  EXPECT_TRUE(is_met(parse_objective("least-share>70%").value(), runs->result.total));
+  EXPECT_TRUE(runs->result.total.finished_of_client.empty()) << "clients of different runs are not the same";
 }
 
 TEST(Plan, WindowsFollowUntilThreeInARowAgree) {
