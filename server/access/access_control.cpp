@@ -24,9 +24,16 @@ std::string_view bearer_token(std::string_view authorization) {
   return authorization.substr(std::min(authorization.size(), authorization.find_first_not_of(' ')));
 }
 
+/// `files` has what the file said before. A file that has lost all tokens is mostly one that was not written to its
+/// end, as on a full disk, and would lock out everybody.
 absl::Status load_tokens(const WatchedFile::Content& content, const std::string& path, AccessFiles& files) {
   RETURN_IF_ERROR(content.status());
-  ASSIGN_OR_RETURN(files.tokens, credentials::parse_token_file(*content, path));
+  ASSIGN_OR_RETURN(credentials::TokenFile tokens, credentials::parse_token_file(*content, path));
+  if (tokens.tokens.empty() && !files.tokens.tokens.empty()) {
+    return absl::InvalidArgumentError(
+        "the file has no token any more; to withdraw the last one, give it a not_after in the past");
+  }
+  files.tokens = std::move(tokens);
   return absl::OkStatus();
 }
 
@@ -64,6 +71,9 @@ absl::Status AccessControl::read_files() {
   if (!options_.tokens.empty()) tokens = load_tokens(token_file_.read(), options_.tokens, files);
   if (!options_.jwt_keys.empty()) keys = load_keys(key_file_.read(), options_.jwt_keys, files);
   RETURN_IF_ERROR(joined(tokens, keys));
+  if (options_.jwt_keys.empty() && !options_.tokens.empty() && files.tokens.tokens.empty()) {
+    spdlog::warn("{} has no token, so that nobody may call", options_.tokens);
+  }
   use(std::move(files));
   return absl::OkStatus();
 }

@@ -61,7 +61,8 @@ class AccessControl {
   absl::StatusOr<AccessGrant> admit(const PresentedProofs& presented);
 
   /// Looks for files that have changed, and uses them if they have no fault. Otherwise the old ones stay in use, and
-  /// the faults go to the log once. To be called about twice a second.
+  /// the faults go to the log once. That a file has no token any more is a fault, too. To be called about twice a
+  /// second.
   void look_for_changes();
 
   struct Reloads {

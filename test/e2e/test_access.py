@@ -251,8 +251,16 @@ class RenewedTokens(AccessTest):
         self.assert_accepted(server, f"Bearer {token}")
         time.sleep(1.5)
         self.assertEqual(server.log.read_text().count("stays in use"), 1)
+        self.tokens.write_text("")  # as on a full disk
+        self.wait_until(lambda: "the file has no token any more" in server.log.read_text(), "there is no error in the log")
+        self.assert_accepted(server, f"Bearer {token}")
+        self.tokens.write_text(good + "not_after = 2020-01-01T00:00:00Z\n")
+        self.wait_until(lambda: self.call(server, f"Bearer {token}")[1] == "TOKEN_EXPIRED", "the file is not in use")
+
+    def test_a_server_without_a_token_says_so(self):
         self.tokens.write_text("")
-        self.wait_until(lambda: self.call(server, f"Bearer {token}")[1] == "TOKEN_INVALID", "an empty file is not in use")
+        server = self.serve()
+        self.assertIn(f"{self.tokens} has no token, so that nobody may call", server.log.read_text())
 
 
 class JsonWebTokens(AccessTest):

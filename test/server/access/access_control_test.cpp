@@ -141,6 +141,30 @@ TEST_F(AccessControlTest, AFileWithFaultsChangesNothing) {
   EXPECT_EQ(control->reloads().done, 0U);
 }
 
+TEST_F(AccessControlTest, AFileThatHasLostItsTokensChangesNothing) {
+  const auto control = open(entry("robot-7", "abc"));
+  for (const std::string content : {"", "# nothing\n", "[default]\nframes_per_second = 1\n"}) {
+    write("t.toml", content);
+    take_changes(*control);
+    EXPECT_TRUE(control->admit(bearer("Bearer abc")).ok()) << content;
+  }
+  EXPECT_EQ(control->reloads().failed, 3U);
+  write("t.toml", entry("robot-7", "abc", "not_after = 2020-01-01T00:00:00Z\n"));
+  take_changes(*control);
+  EXPECT_EQ(refusal_reason(control->admit(bearer("Bearer abc")).status()), wire::ErrorReason::kTokenExpired)
+      << "so the last token is withdrawn";
+}
+
+TEST_F(AccessControlTest, AFileMayBeginWithoutTokens) {
+  const auto control = open("[default]\nframes_per_second = 1\n");
+  write("t.toml", "");
+  take_changes(*control);
+  EXPECT_EQ(control->reloads().done, 1U);
+  write("t.toml", entry("robot-7", "abc"));
+  take_changes(*control);
+  EXPECT_TRUE(control->admit(bearer("Bearer abc")).ok());
+}
+
 TEST_F(AccessControlTest, FilesWithFaultsAreAllToldAtTheStart) {
   const AccessOptions options{.tokens = write("t.toml", "a = 1"), .jwt_keys = write("k.json", "{}")};
   const auto control = AccessControl::open(options);
