@@ -124,6 +124,13 @@ HttpAnswer error_answer(const absl::Status& status) {
   return answer;
 }
 
+HttpAnswer http_fault_answer(unsigned status, std::string_view message) {
+  HttpAnswer answer = error_answer(wire::malformed(message));
+  answer.status = status;
+  answer.closes = true;
+  return answer;
+}
+
 HttpAnswer connect_error_answer(const absl::Status& status) {
   const absl::Status told = wire::as_told(status);
   Json json{{"code", connect_code(told.code())}, {"message", message_of(told)}};

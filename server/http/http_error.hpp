@@ -19,6 +19,10 @@ unsigned http_status(const absl::Status& status);
 /// beyond the limit has the status 413.
 HttpAnswer error_answer(const absl::Status& status);
 
+/// The answer to a request that breaks the rules of HTTP: an error_answer with this status, after which the connection
+/// ends.
+HttpAnswer http_fault_answer(unsigned status, std::string_view message);
+
 /// An error as the protocol Connect has it: an object with code, message and details.
 HttpAnswer connect_error_answer(const absl::Status& status);
 

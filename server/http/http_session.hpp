@@ -30,6 +30,7 @@
 #include "server/http/answer_text.hpp"
 #include "server/http/http_connection.hpp"
 #include "server/http/http_handler.hpp"
+#include "server/http/http_error.hpp"
 #include "server/http/http_server.hpp"
 
 namespace segserve::server {
@@ -90,7 +91,8 @@ class HttpSession {
     const bool is_head = request.method() == boost::beast::http::verb::head;
     bool closes = !request.keep_alive();
     HttpAnswer answer;
-    auto begun = handler_.begin(head_of(parser));
+    auto begun = has_host(request) ? handler_.begin(head_of(parser))
+                                   : http_fault_answer(400, "a request of HTTP/1.1 has one header Host");
     if (auto* upload = std::get_if<std::shared_ptr<HttpUpload>>(&begun)) {
       answer = co_await take(parser, **upload);
     } else {
@@ -106,6 +108,12 @@ class HttpSession {
   }
 
   HttpHead head_of(const Parser& parser) const {
+  /// Whether the request says once for which host it is, as HTTP/1.1 wants.
+  static bool has_host(const Parser::value_type& request) {
+    const auto count = request.count(boost::beast::http::field::host);
+    return count == 1 || (count == 0 && request.version() < 11);
+  }
+
     const auto& request = parser.get();
     const std::string target(request.target());
     const std::size_t question = std::min(target.find('?'), target.size());

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """The web entrance: plain HTTP, health, metrics and errors, as curl and Python use it."""
 import gzip
+import http.client
 import json
 import pathlib
 import shutil
 import signal
+import socket
 import ssl
 import subprocess
 import tempfile
@@ -196,6 +198,23 @@ class Http(EndToEnd):
     def test_a_deadline_ends_the_call(self):
         error = self.error(504, self.scene, "timeout=0.0001")
         self.assertEqual((error["code"], error["reason"]), ("deadline_exceeded", "DEADLINE_EXCEEDED"))
+
+    def answer_to(self, text):
+        """The status and the error of a request that is sent as it stands."""
+        with socket.create_connection(("127.0.0.1", self.server.http_port), timeout=20) as connection:
+            connection.sendall(text)
+            answer = http.client.HTTPResponse(connection)
+            answer.begin()
+            body = answer.read()
+        return answer.status, json.loads(body)["error"]["message"] if answer.status != 200 else body.decode()
+
+    def test_requests_that_break_the_rules_of_http_are_told_why(self):
+        for text, status, why in ((b"GET /healthz HTTP/1.1\r\n\r\n", 400, "one header Host"),
+                                  (b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: a\r\n\r\n", 400, "one header Host"),
+                                  (b"GET /healthz HTTP/1.0\r\n\r\n", 200, "ok")):
+            told = self.answer_to(text)
+            self.assertEqual(told[0], status, text[:80])
+            self.assertIn(why, told[1])
 
     def test_answers_to_this_machine_and_to_names_that_are_told(self):
         ok, misdirected = 200, 421
