@@ -94,7 +94,8 @@ struct Options {
   /// it, get label 0, and everything else is as if they were not finite. The distance is in meters. In a CAMERA view it
   /// is the distance at 1 m, and grows in proportion to z, as the depth noise does.
   std::optional<double> support_plane_distance = std::nullopt;
-  /// Number of threads within one call, of which no more run than there are cores. The result does not depend on it.
+  /// Number of threads within one call, [1, 64], of which no more run than there are cores, and in a server no more
+  /// than it allows. The result does not depend on it.
   std::uint32_t threads = 1;
 
   bool operator==(const Options&) const = default;
