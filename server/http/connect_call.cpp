@@ -66,9 +66,8 @@ absl::Status parse_json(const std::string& body, const char* name, google::proto
   if (const std::string fault = fault_of_json(body); !fault.empty()) {
     return wire::malformed(fmt::format("the {} {}", name, fault));
   }
-  google::protobuf::util::JsonParseOptions options;
-  options.ignore_unknown_fields = true;  // as those of a binary message are
-  const auto parsed = google::protobuf::util::JsonStringToMessage(body, &message, options);
+  // Unlike those of a binary message, unknown fields are refused: whoever writes JSON misspells names.
+  const auto parsed = google::protobuf::util::JsonStringToMessage(body, &message);
   if (parsed.ok()) return absl::OkStatus();
   constexpr std::size_t kMostText = 200;
   const std::string text(parsed.message().data(), std::min<std::size_t>(parsed.message().size(), kMostText));

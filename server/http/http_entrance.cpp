@@ -7,10 +7,12 @@
 #include "client/page/bundled_pages.hpp"
 #include "core/base/status_macros.hpp"
 #include "fmt/format.h"
+#include "proto/wire/status_message.hpp"
 #include "server/frames/catch_exceptions.hpp"
 #include "server/http/connect_call.hpp"
 #include "server/http/frame_uploads.hpp"
 #include "server/http/http_error.hpp"
+#include "server/http/info_upload.hpp"
 #include "server/options/host_name.hpp"
 #include "server/scheduling/refusals.hpp"
 
@@ -160,7 +162,10 @@ HttpEntrance::Begun HttpEntrance::begin_segment(const HttpHead& head) {
 HttpEntrance::Begun HttpEntrance::begin_connect(const HttpHead& head, std::string_view method) {
   const auto codec = connect_codec(head.header("content-type"));
   if (!codec) {
-    HttpAnswer answer = text_answer(415, "");
+    HttpAnswer answer =
+        connect_error_answer(wire::malformed("the Content-Type must be application/proto or application/json; streams "
+                                             "and gRPC itself need the port of gRPC"));
+    answer.status = 415;
     answer.headers.emplace_back("Accept-Post", "application/proto, application/json");
     return answer;
   }
@@ -173,11 +178,10 @@ HttpEntrance::Begun HttpEntrance::begin_connect(const HttpHead& head, std::strin
   const auto timeout = connect_timeout(head);
   if (!timeout.ok()) return connect_error_answer(timeout.status());
   if (method == "GetServerInfo") {
-    // The request has no fields, so that it is not looked at.
     const absl::Status admitted = admit_question(head, "GetServerInfo");
     if (!admitted.ok()) return connect_error_answer(admitted);
-    auto answer = connect_answer(*codec, service_.parts().info);
-    return answer.ok() ? *std::move(answer) : connect_error_answer(answer.status());
+    return info_upload(*codec, service_.parts().info,
+                       [this, head](HttpAnswer answer) { return dressed(std::move(answer), head); });
   }
   const auto frame = admit(head, *timeout);
   if (!frame.ok()) return connect_error_answer(frame.status());

@@ -27,10 +27,11 @@
 #include <variant>
 #include <vector>
 
+#include "fmt/format.h"
 #include "server/http/answer_text.hpp"
 #include "server/http/http_connection.hpp"
-#include "server/http/http_handler.hpp"
 #include "server/http/http_error.hpp"
+#include "server/http/http_handler.hpp"
 #include "server/http/http_server.hpp"
 
 namespace segserve::server {
@@ -107,13 +108,13 @@ class HttpSession {
     co_return was_read && !closes;
   }
 
-  HttpHead head_of(const Parser& parser) const {
   /// Whether the request says once for which host it is, as HTTP/1.1 wants.
   static bool has_host(const Parser::value_type& request) {
     const auto count = request.count(boost::beast::http::field::host);
     return count == 1 || (count == 0 && request.version() < 11);
   }
 
+  HttpHead head_of(const Parser& parser) const {
     const auto& request = parser.get();
     const std::string target(request.target());
     const std::size_t question = std::min(target.find('?'), target.size());
@@ -263,12 +264,14 @@ class HttpSession {
   }
 
   /// The answer to a header that cannot be read; nothing if the connection just ended.
-  static std::optional<HttpAnswer> answer_of_bad_header(const Error& error) {
+  std::optional<HttpAnswer> answer_of_bad_header(const Error& error) const {
     namespace http = boost::beast::http;
     if (error == boost::beast::error::timeout || error == http::error::end_of_stream) return std::nullopt;
     if (error.category() != http::make_error_code(http::error::end_of_stream).category()) return std::nullopt;
     const bool is_large = error == http::error::header_limit || error == http::error::buffer_overflow;
-    return HttpAnswer{.status = is_large ? 431U : 400U, .closes = true};
+    if (!is_large) return http_fault_answer(400, "the header of the request is wrong: " + error.message());
+    return http_fault_answer(431,
+                             fmt::format("the header of the request has more than {} bytes", limits_.header_bytes));
   }
 
   Stream& stream_;

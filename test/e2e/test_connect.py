@@ -77,9 +77,23 @@ class Connect(EndToEnd):
             status, _, answer = self.call("Segment", body, content_type)
             self.assertEqual((status, json.loads(answer)["code"]), (400, "invalid_argument"), answer[:200])
 
+    def test_names_that_json_misspells_are_refused(self):
+        for fields, name in (({"foo": 1}, "foo"), ({"options": {"treshold": 0.4}}, "treshold"), ({"cloud": {"unit": "X"}}, "unit")):
+            status, _, body = self.call("Segment", json.dumps(fields))
+            self.assertEqual((status, json.loads(body)["code"]), (400, "invalid_argument"), fields)
+            self.assertIn(name, json.loads(body)["message"])
+        for body in ("{", "", '{"foo": 1}', "[]"):
+            status, _, answer = self.call("GetServerInfo", body)
+            self.assertEqual((status, json.loads(answer)["code"]), (400, "invalid_argument"), body)
+        status, _, answer = self.call("GetServerInfo", " " * (65 << 10))
+        self.assertEqual((status, json.loads(answer)["code"]), (400, "invalid_argument"))
+        self.assertEqual(self.call("GetServerInfo", b"", "application/proto")[0], 200)
+
     def test_what_is_not_a_unary_call_is_refused(self):
-        self.assertEqual(self.call("Segment", "", "text/plain")[0], 415)
-        self.assertEqual(self.call("Segment", "", "application/grpc-web+proto")[0], 415)
+        for kind in ("text/plain", "application/grpc", "application/grpc-web+proto", "application/connect+json"):
+            status, headers, body = self.call("Segment", "", kind)
+            self.assertEqual((status, headers["content-type"]), (415, "application/json"))
+            self.assertIn("must be application/proto or application/json", json.loads(body)["message"])
         self.assertEqual(self.call("SegmentStream", "", "application/proto")[0], 501)
         self.assertEqual(self.call("Nothing", "{}")[0], 404)
         for headers in ({"Content_Encoding": "gzip"}, {"Connect_Protocol_Version": "2"}, {"Connect_Timeout_Ms": "soon"}):

@@ -211,7 +211,9 @@ class Http(EndToEnd):
     def test_requests_that_break_the_rules_of_http_are_told_why(self):
         for text, status, why in ((b"GET /healthz HTTP/1.1\r\n\r\n", 400, "one header Host"),
                                   (b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nHost: a\r\n\r\n", 400, "one header Host"),
-                                  (b"GET /healthz HTTP/1.0\r\n\r\n", 200, "ok")):
+                                  (b"GET /healthz HTTP/1.0\r\n\r\n", 200, "ok"),
+                                  (b"GET / HTTP/1.1\r\nHost localhost\r\n\r\n", 400, "the header of the request is wrong"),
+                                  (b"GET / HTTP/1.1\r\nA: " + b"a" * 20_000 + b"\r\n\r\n", 431, "more than 16384 bytes")):
             told = self.answer_to(text)
             self.assertEqual(told[0], status, text[:80])
             self.assertIn(why, told[1])

@@ -124,12 +124,23 @@ TEST(ConnectMessages, HaveNoMemberTwice) {
   EXPECT_EQ(
       fault(R"({"requestId":"a","options":{"lambda":0.5},"prompts":{"include":[{"pixel":{"column":1,"row":2}}]}})"),
       "");
-  EXPECT_EQ(fault(R"({"requestId":"a:\"", "options":{"requestId":1}})"), "") << "unknown fields are ignored";
+  EXPECT_EQ(fault(R"({"requestId":"a:\"", "cloud":{"width":1,"rgbd":{"depth":{"data":"AA=="}}}})"), "");
   EXPECT_THAT(fault(R"({"options":{"lambda":0.5, "regions":2, "lambda" : 0.6}})"),
               HasSubstr("the SegmentRequest has an object with the member lambda twice"));
   EXPECT_THAT(fault(R"({"prompts":{"include":[{"point":{"x":1,"x":2}}]}})"), HasSubstr("the member x twice"));
   for (const char* broken : {"\"", "{\"", "{\"a", "}]", "{\"a\\", ":", "[\"a\":"})
     EXPECT_NE(fault(broken), "") << broken;
+}
+
+TEST(ConnectMessages, InJsonHaveNoFieldThatIsUnknown) {
+  const auto fault = [](const std::string& json) {
+    v1::SegmentRequest request;
+    return std::string(parse_connect(ConnectCodec::kJson, json, "SegmentRequest", request).message());
+  };
+  EXPECT_THAT(fault(R"({"treshold":0.4})"), HasSubstr("treshold"));
+  EXPECT_THAT(fault(R"({"options":{"lamda":0.4}})"), HasSubstr("lamda"));
+  EXPECT_THAT(fault(R"({"cloud":{"unit":"FURLONG"}})"), HasSubstr("unit"));
+  EXPECT_EQ(fault(R"({"options":{"voxelResolution":0.01,"seed_resolution":0.1}})"), "") << "both spellings of a name";
 }
 
 TEST(ConnectMessages, RoundTripInBothCodecs) {
