@@ -13,8 +13,8 @@
 #include "test/tls/test_certificates.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-/// LeakSanitizer asks the program for this. gRPC sometimes has failed handshakes left when a program ends. That our own use of
-/// OpenSSL forgets nothing is checked by tls_test and server_parts_test, which run no gRPC.
+/// LeakSanitizer asks the program for this. gRPC sometimes has failed handshakes left when a program ends. That our own
+/// use of OpenSSL forgets nothing is checked by tls_test and server_parts_test, which run no gRPC.
 extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
   return "leak:libcrypto.so\n";
 }
