@@ -23,11 +23,11 @@ struct TextStart {
   std::optional<LengthUnit> unit;  ///< of x, y and z, if it stands beside or below their names
   Separator separator = Separator::kSpace;
   std::size_t columns = 0;
-  std::size_t titles = 0;           ///< lines of words above the names
+  std::size_t titles = 0;          ///< lines of words above the names
   std::size_t column_numbers = 0;  ///< how many numbers of columns, from 0 on, the line above the rows has
   bool has_row_numbers = false;    ///< these numbers leave out the first column, which names the rows
-  std::size_t offset = 0;           ///< of the first row
-  std::size_t line = 1;             ///< of the first row
+  std::size_t offset = 0;          ///< of the first row
+  std::size_t line = 1;            ///< of the first row
 };
 
 /// The comment in a line without its mark; nullopt if the line is none.
