@@ -101,10 +101,16 @@ LoadResult run(const LoadOptions& options) {
   return run_load(options, source, prepare_frames(options, source).value(), {}).value();
 }
 
-/// By how much a percentile may differ from that of the server's own times, without what it computes beside.
-bool within_2_percent(double measured, double truth) {
-  constexpr double kCompute = 2;
-  return measured >= 0.98 * truth && measured <= 1.02 * truth + kCompute;
+/// The time, ms, that this machine needs for a frame that the server does not hold: 2, or more if it is slow or busy.
+double compute_ms() {
+  constexpr double kUsual = 2, kMost = 25;
+  HoldingServer server([](std::size_t, double) { return 0.0; });
+  return std::clamp(run(load_at(server, 16, 1, 8)).total.latency.percentile(99), kUsual, kMost);
+}
+
+/// Whether a percentile is that of the server's own times, but for what is computed beside.
+bool within_2_percent(double measured, double truth, double compute) {
+  return measured >= 0.98 * truth && measured <= 1.02 * truth + compute;
 }
 
 /// Runs the load against such a server, and tells whether the percentiles are right. A machine that does other things
@@ -113,13 +119,15 @@ testing::AssertionResult measures_well(const std::function<double(std::size_t, d
                                        std::initializer_list<double> percentiles) {
   std::string faults;
   for (int i = 0; i < 3; ++i) {
+    const double compute = compute_ms();
     HoldingServer server(hold_ms);
     const LoadResult result = run(load_at(server, 16, seconds, 8));
     if (result.total.results != 16 * seconds) return testing::AssertionFailure() << result.total.results << " results";
     const std::size_t before = faults.size();
     for (const double percent : percentiles) {
       const double measured = result.total.latency.percentile(percent), truth = server.held_percentile(percent);
-      if (!within_2_percent(measured, truth)) faults += fmt::format("p{}: {} for {}; ", percent, measured, truth);
+      if (within_2_percent(measured, truth, compute)) continue;
+      faults += fmt::format("p{}: {} for {} and {} of computing; ", percent, measured, truth, compute);
     }
     if (faults.size() == before) return testing::AssertionSuccess();
   }
