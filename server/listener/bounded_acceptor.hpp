@@ -22,7 +22,8 @@ class BoundedAcceptor {
  public:
   static constexpr std::size_t kDescriptorsOfConnection = 2;
 
-  /// What is given away must be shut down by `shutdown` when it ends, as gRPC does. Called by a thread of the acceptor.
+  /// Receives a connection, in a thread of the acceptor. It must end the connection by `shutdown`, as gRPC does, and
+  /// not by `close` alone, because the acceptor has a descriptor of it, too.
   using Take = std::function<void(Socket)>;
 
   /// Begins with a socket that listens and does not block. UNAVAILABLE if there are too many open files.

@@ -68,7 +68,8 @@ constexpr std::array<UnitName, 20> kUnits{{
     {"international foot", LengthUnit::kFoot},
 }};
 
-/// What stands between a name and its unit. Behind the first, only short names of units are looked for.
+/// A name and its unit are joined by one of these. Behind an underscore only short names of units count, because words
+/// such as x_in and x_foot may be names of their own.
 constexpr std::array<std::string_view, 3> kBeforeUnit{"_", "/", " in "};
 
 /// A name in small letters, and the unit behind it, which is not part of it.

@@ -29,7 +29,7 @@ bool counts_rows(const Column& column, std::size_t points, StopCheck& check) {
   return fits;
 }
 
-/// What the values of a column have in common that may be colors packed in one number.
+/// Tells by the values of a column whether they are colors, each packed in one number.
 class PackedColorEvidence {
  public:
   void take(double value) {

@@ -14,7 +14,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "segserve/codec/warning.hpp"
 
-// What a LAS file tells of its coordinates in records of user LASF_Projection ("LAS Specification 1.4 - R15", section
+// A LAS file describes its coordinates in records of user LASF_Projection ("LAS Specification 1.4 - R15", section
 // 3; "GeoTIFF Format Specification 1.0", sections 2.4 and 6).
 namespace segserve::codec {
 

@@ -12,7 +12,7 @@
 #include "segserve/codec/cloud_file.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
 
-// What the tests of text tables read.
+// Helpers of the tests of text tables.
 namespace segserve::codec {
 
 /// The table, with all of its columns.
