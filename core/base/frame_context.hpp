@@ -25,6 +25,12 @@ struct FrameContext {
 
   const View& view() const { return cloud.view; }
 
+  /// Whether a camera, several of them, or a LiDAR saw the scene, each from one place, so that things hide each other
+  /// and the borders between them are seen in part. Other clouds were scanned from all around.
+  bool has_hidden_parts() const {
+    return view().kind == ViewKind::kCamera || scale.sweep.has_value() || !view().cameras.empty();
+  }
+
   CloudView cloud;
   Options options;             ///< resolved: every option for which the method has a default is set
   SupervoxelOptions settings;  ///< weights of the supervoxels, from `options`

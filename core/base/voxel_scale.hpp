@@ -57,9 +57,9 @@ struct VoxelScale {
 };
 
 /// The scale for which the options ask. Where they leave it to the cloud, it is the finest that choose_scale takes for
-/// scenes of the usual size: 6 mm at 1 m in a CAMERA view and 7.5 mm in a WORLD view.
+/// scenes of the usual size: 7 mm at 1 m in a CAMERA view and 7.5 mm in a WORLD view.
 inline VoxelScale requested_scale(const Options& options, const View& view) {
-  constexpr double kCameraVoxel = 0.006, kWorldVoxel = 0.0075;
+  constexpr double kCameraVoxel = 0.007, kWorldVoxel = 0.0075;
   const bool camera = view.kind == ViewKind::kCamera;
   VoxelScale scale;
   scale.voxel = options.voxel_resolution.value_or(camera ? kCameraVoxel : kWorldVoxel);

@@ -14,10 +14,12 @@ namespace {
 constexpr double kUsualThreshold = 0.5;  // of the cut whose segments are looked at
 constexpr int kMostRounds = 3;
 
-BorderConstants constants_for(const VoxelScale& scale) {
+BorderConstants constants_for(const FrameContext& frame) {
   constexpr double kSmallestOfSweep = 8;  // voxels; far people have few rays
+  constexpr double kWallWeight = 3;
   BorderConstants constants;
-  if (scale.sweep) constants.smallest_size = kSmallestOfSweep;
+  if (frame.scale.sweep) constants.smallest_size = kSmallestOfSweep;
+  if (!frame.has_hidden_parts()) constants.wall_weight = kWallWeight;
   return constants;
 }
 
@@ -38,7 +40,7 @@ void count_points(const RegionGraph& graph, MergeTree& tree) {
 absl::Status BorderMerging::find_evidence(const FrameContext& frame, const VoxelGrid& grid,
                                           const std::vector<Vec3>& normals, const Supervoxels& supervoxels,
                                           const RegionGraph& graph) {
-  const BorderConstants constants = constants_for(frame.scale);
+  const BorderConstants constants = constants_for(frame);
   RETURN_IF_ERROR(measure_borders(frame, graph, grid, normals, constants.dead_zone, borders_));
   RETURN_IF_ERROR(find_border_evidence(frame, graph, borders_, constants, evidence_));
   ASSIGN_OR_RETURN(tree_, merge(frame, graph, evidence_));
@@ -72,7 +74,7 @@ absl::Status BorderMerging::run(const FrameContext& frame, const RegionGraph& gr
 
 absl::StatusOr<MergeTree> BorderMerging::merge(const FrameContext& frame, const RegionGraph& graph,
                                                std::vector<BorderEvidence> evidence) {
-  BorderMetric metric(graph, std::move(evidence), frame.options.min_segment_points, constants_for(frame.scale));
+  BorderMetric metric(graph, std::move(evidence), frame.options.min_segment_points, constants_for(frame));
   MergeTree tree;
   RETURN_IF_ERROR(merger_.run(frame, graph.edges, small_region_threshold(frame.options), metric, tree));
   return tree;

@@ -80,14 +80,14 @@ class MergeProcess {
     }
   }
 
-  /// Finds which links of region p change when it takes over the regions and links of another one.
-  void find_changes(std::uint32_t p) {
+  /// Finds which links of region p change when it takes over the regions and links of region q.
+  void find_changes(std::uint32_t p, std::uint32_t q) {
     const std::vector<Link>& links = links_.of(p);
-    const bool changes_priority = metric_.too_small(p);
+    const bool changes_all = metric_.too_small(p) || metric_.changes_all(p, q);
     changed_.resize(links.size());
     for (std::size_t i = 0; i < links.size(); ++i) {
-      changed_[i] = static_cast<std::uint8_t>(changes_priority || links_.was_linked_to_q(i) ||
-                                              metric_.counts(p, links[i].region));
+      changed_[i] =
+          static_cast<std::uint8_t>(changes_all || links_.was_linked_to_q(i) || metric_.counts(p, links[i].region));
     }
   }
 
@@ -139,7 +139,7 @@ class MergeProcess {
   void merge(std::uint32_t p, std::uint32_t q) {
     const Evidence between = links_.find(p, q).evidence;
     links_.merge(p, q);
-    if constexpr (PartialRegionMetric<Metric>) find_changes(p);
+    if constexpr (PartialRegionMetric<Metric>) find_changes(p, q);
     metric_.merge(p, q, between);
     best_.set(q, MergeCandidate{});
     const std::vector<Link>& links = links_.of(p);

@@ -99,9 +99,7 @@ class SegmentBorders {
       edges.emplace_back(std::uint64_t{a} << 32U | b, static_cast<std::uint32_t>(e));
     });
     std::ranges::sort(edges);
-    const View& view = frame_.view();
-    const bool is_one_view = view.kind == ViewKind::kCamera || frame_.scale.sweep || !view.cameras.empty();
-    const double most_difference = is_one_view ? kOneView : kAllAround;
+    const double most_difference = frame_.has_hidden_parts() ? kOneView : kAllAround;
     for (std::size_t i = 0; i < edges.size() && !check_.after(1);) {
       const std::uint64_t key = edges[i].first;
       const auto a = static_cast<std::uint32_t>(key >> 32U), b = static_cast<std::uint32_t>(key);

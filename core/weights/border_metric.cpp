@@ -88,7 +88,9 @@ BorderMetric::BorderMetric(const RegionGraph& graph, std::vector<BorderEvidence>
                            const BorderConstants& constants)
     : constants_(constants), min_points_(min_points), evidence_(std::move(evidence)) {
   for (const Region& region : graph.regions) {
+    wall_size_ += constants.wall_share * region.voxels;
     voxels_.push_back(region.voxels);
+    normal_sum_.push_back(region.normal_sum);
     size_term_.push_back(size_term(region.voxels));
     points_.push_back(region.points);
   }
@@ -97,11 +99,22 @@ BorderMetric::BorderMetric(const RegionGraph& graph, std::vector<BorderEvidence>
     contacts_[graph.edges[e].a] += evidence_[e].contacts;
     contacts_[graph.edges[e].b] += evidence_[e].contacts;
   }
-  for (std::size_t r = 0; r < voxels_.size(); ++r) is_chip_.push_back(is_chip(voxels_[r], contacts_[r]) ? 1 : 0);
+  for (std::size_t r = 0; r < voxels_.size(); ++r) {
+    is_chip_.push_back(is_chip(voxels_[r], contacts_[r]) ? 1 : 0);
+    is_wall_.push_back(is_wall(voxels_[r], normal_sum_[r]) ? 1 : 0);
+  }
 }
 
 bool BorderMetric::is_chip(double voxels, double contacts) const {
   return voxels < constants_.smallest_size || contacts > constants_.chip_contacts * voxels;
+}
+
+bool BorderMetric::is_wall(double voxels, const Vec3& normal_sum) const {
+  return voxels >= wall_size_ && norm(normal_sum) >= constants_.wall_flatness * voxels;
+}
+
+bool BorderMetric::becomes_wall(std::uint32_t into, std::uint32_t from) const {
+  return is_wall_[from] != 0 || is_wall(voxels_[into] + voxels_[from], normal_sum_[into] + normal_sum_[from]);
 }
 
 double BorderMetric::size_term(double voxels) const {
@@ -112,7 +125,8 @@ double BorderMetric::size_term(double voxels) const {
 
 double BorderMetric::dissimilarity(std::uint32_t a, std::uint32_t b, const BorderEvidence& evidence) const {
   const double size = voxels_[a] < voxels_[b] ? size_term_[a] : size_term_[b];
-  return evidence.sum / evidence.contacts - constants_.bias + size;
+  const double weight = (is_wall_[a] | is_wall_[b]) != 0 ? constants_.wall_weight : 1;
+  return weight * (evidence.sum / evidence.contacts) - constants_.bias + size;
 }
 
 double BorderMetric::weight(double dissimilarity) const {
@@ -120,7 +134,9 @@ double BorderMetric::weight(double dissimilarity) const {
 }
 
 void BorderMetric::merge(std::uint32_t into, std::uint32_t from, const BorderEvidence& between) {
+  is_wall_[into] = is_wall_[into] != 0 || becomes_wall(into, from) ? 1 : 0;
   voxels_[into] += voxels_[from];
+  normal_sum_[into] += normal_sum_[from];
   contacts_[into] += contacts_[from] - 2 * between.contacts;
   is_chip_[into] = is_chip_[into] != 0 && is_chip_[from] != 0 && is_chip(voxels_[into], contacts_[into]) ? 1 : 0;
   size_term_[into] = size_term(voxels_[into]);

@@ -29,6 +29,9 @@ struct BorderConstants {
   /// two other regions has as many if it is one and a half voxels wide.
   double chip_contacts = 4;
   double size_limit = 1100;  ///< voxels; larger regions count as this, so that far scenes are treated like near ones
+  /// A floor or a wall is a region of at least this part of the scene's voxels whose mean normal is at least this long.
+  double wall_share = 0.07, wall_flatness = 0.9;
+  double wall_weight = 1;  ///< of the evidence between a floor or wall and another region
 };
 
 /// The evidence of an edge that its regions are two objects, summed up over its contacts.
@@ -55,7 +58,8 @@ struct SurfaceTolerance {
 bool is_cut(const Vec3& xi, const Vec3& ni, const Vec3& xj, const Vec3& nj, const SurfaceTolerance& tolerance);
 
 /// The metric of the border method (a PartialRegionMetric): the mean evidence over the border between two regions, less
-/// a bias, plus a term that grows with the smaller region. Both terms only grow with merging, so that the merge tree is
+/// a bias, plus a term that grows with the smaller region. The evidence counts `wall_weight` times if either region
+/// is a floor or wall, or has become one by merging. All this only grows with merging, so that the merge tree is
 /// monotone: delta(A u B, C) >= min(delta(A, C), delta(B, C)).
 class BorderMetric {
  public:
@@ -75,18 +79,27 @@ class BorderMetric {
   double weight(double dissimilarity) const;
   /// The size term is that of the smaller region.
   bool counts(std::uint32_t r, std::uint32_t neighbor) const { return voxels_[r] < voxels_[neighbor]; }
+  /// A region that becomes a wall is one to all of its neighbors.
+  bool changes_all(std::uint32_t into, std::uint32_t from) const {
+    return is_wall_[into] == 0 && becomes_wall(into, from);
+  }
   /// A region that was large and thick enough stays so, whatever chips join it.
   bool too_small(std::uint32_t r) const { return is_chip_[r] != 0 || points_[r] < min_points_; }
   void merge(std::uint32_t into, std::uint32_t from, const BorderEvidence& between);
 
  private:
   bool is_chip(double voxels, double contacts) const;
+  bool is_wall(double voxels, const Vec3& normal_sum) const;
+  bool becomes_wall(std::uint32_t into, std::uint32_t from) const;
   double size_term(double voxels) const;
 
   BorderConstants constants_;
   std::uint32_t min_points_;
+  double wall_size_ = 0;  // voxels
   std::vector<BorderEvidence> evidence_;
   std::vector<double> voxels_;
+  std::vector<Vec3> normal_sum_;       // over the voxels
+  std::vector<std::uint8_t> is_wall_;  // or floor
   std::vector<double> contacts_;       // with all neighbors
   std::vector<std::uint8_t> is_chip_;  // or smaller than smallest_size
   std::vector<double> size_term_;      // which a region adds to the dissimilarity to a larger one

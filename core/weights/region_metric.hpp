@@ -33,10 +33,12 @@ concept RegionMetric = requires(T metric, const T& constant, typename T::Evidenc
 };
 
 /// A metric by which a merge leaves most edges of a large region as they are: that region's part in an edge only counts
-/// where counts(region, neighbor). Once it does not count, it does not after merges of the region, either.
+/// where counts(region, neighbor), or where changes_all(into, from) says that this merge changes all edges of `into`.
+/// Once a region does not count, it does not after its merges, either.
 template <typename T>
 concept PartialRegionMetric = RegionMetric<T> && requires(const T& constant, std::uint32_t r) {
   { constant.counts(r, r) } -> std::convertible_to<bool>;
+  { constant.changes_all(r, r) } -> std::convertible_to<bool>;
 };
 
 /// A metric without evidence that computes the dissimilarities of many pairs of regions at once, which is faster than

@@ -59,7 +59,7 @@ TEST_P(GoldenTest, AFusedRoomInTheWorldView) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllMethods, GoldenTest,
-                         testing::Values(Golden{Method::kBorder, 0xa8add0855d9f0441ULL, 0x7920d142f468df28ULL},
+                         testing::Values(Golden{Method::kBorder, 0x9c10ad3afb85f897ULL, 0x266fe8d5f5739e89ULL},
                                          Golden{Method::kColor, 0x17f0761100154cb1ULL, 0xe114be74865460d6ULL},
                                          Golden{Method::kGeometry, 0xf07a6a3e50d16de6ULL, 0x6045136af17edbd0ULL},
                                          Golden{Method::kLambda, 0x904534e415183869ULL, 0x40ec2fc34ef2c85eULL},

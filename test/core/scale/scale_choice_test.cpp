@@ -148,8 +148,8 @@ TEST(CloudSampling, SurvivesOddClouds) {
 
 TEST(ScaleChoice, KeepsTheUsualVoxelsWhereTheyFit) {
   const ChosenScale camera = chosen(camera_frame(640));
-  EXPECT_EQ(camera.scale.voxel, 0.006);
-  EXPECT_EQ(camera.scale.seed, 0.024);
+  EXPECT_EQ(camera.scale.voxel, 0.007);
+  EXPECT_EQ(camera.scale.seed, 0.028);
   EXPECT_TRUE(camera.scale.in_proportion);
   EXPECT_EQ(camera.reason, ResolutionReason::kDense);
   const ChosenScale world = chosen(sheet(400, 0.004));
