@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/base/status_macros.hpp"
+#include "core/codec/common/no_data.hpp"
 #include "core/codec/common/spacing_search.hpp"
 #include "core/codec/common/unit_guess.hpp"
 
@@ -41,15 +42,15 @@ void read_axis(const Column& column, double scale, double offset, StopCheck& che
 }
 
 /// Warns of points with coordinates that are finite in the file, and beyond what a float holds.
-void warn_of_overflow(const std::array<Column, 3>& columns, const Planes& planes, StopCheck& check,
-                      std::vector<Warning>& warnings) {
+void warn_of_overflow(const std::array<Column, 3>& columns, const Planes& planes, const NoDataPoints& no_data,
+                      StopCheck& check, std::vector<Warning>& warnings) {
   std::vector<bool> is_beyond;
   std::size_t count = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     if (columns[axis].type != ScalarType::kFloat64) continue;
     const std::vector<float>& plane = *planes[axis];
     for_each_value(columns[axis], plane.size(), check, [&](std::size_t i, auto value) {
-      if (!std::isinf(plane[i]) || !std::isfinite(static_cast<double>(value))) return;
+      if (!std::isinf(plane[i]) || !std::isfinite(static_cast<double>(value)) || no_data.has(i)) return;
       is_beyond.resize(plane.size());
       count += is_beyond[i] ? 0 : 1;
       is_beyond[i] = true;
@@ -72,12 +73,13 @@ bool reaches_far(const std::vector<float>& plane, StopCheck& check) {
   return far;
 }
 
-/// The median of the values that are finite; 0 if there are none. It does not depend on the order of the points.
-double median(const Column& column, std::size_t points, StopCheck& check) {
+/// The median of the measured values that are finite; 0 if there are none. It does not depend on the order of the
+/// points.
+double median(const Column& column, std::size_t points, const NoDataPoints& no_data, StopCheck& check) {
   std::vector<double> values;
   values.reserve(points);
-  for_each_value(column, points, check, [&values](std::size_t, auto value) {
-    if (std::isfinite(static_cast<double>(value))) values.push_back(static_cast<double>(value));
+  for_each_value(column, points, check, [&](std::size_t i, auto value) {
+    if (std::isfinite(static_cast<double>(value)) && !no_data.has(i)) values.push_back(static_cast<double>(value));
   });
   if (values.empty() || check.after(8 * values.size())) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -86,7 +88,8 @@ double median(const Column& column, std::size_t points, StopCheck& check) {
 }
 
 /// The shift of the axes, in the file's unit; none unless the cloud is far away along one of them.
-Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, const Planes& planes, StopCheck& check) {
+Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, const Planes& planes,
+                          const NoDataPoints& no_data, StopCheck& check) {
   bool is_candidate = false;
   for (const std::vector<float>* plane : planes) is_candidate = is_candidate || reaches_far(*plane, check);
   if (!is_candidate) return Eigen::Vector3d::Zero();
@@ -94,7 +97,7 @@ Eigen::Vector3d offset_of(const std::array<Column, 3>& columns, double scale, co
   Eigen::Vector3d offset;
   bool is_far = false;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double middle = median(columns[axis], planes[axis]->size(), check);
+    const double middle = median(columns[axis], planes[axis]->size(), no_data, check);
     if (std::abs(middle) * scale > kFarthest) return Eigen::Vector3d::Zero();
     is_far = is_far || std::abs(middle) * scale > kFar;
     offset[static_cast<Eigen::Index>(axis)] = std::round(middle / step) * step;
@@ -158,6 +161,9 @@ absl::Status read_positions(const std::array<Column, 3>& columns, bool are_float
   const double scale =
       unit == LengthUnit::kAuto ? guess_unit(columns, cloud.size(), check, out.warnings) : meters_per_unit(unit);
   for (std::size_t axis = 0; axis < 3; ++axis) read_axis(columns[axis], scale, 0, check, *planes[axis]);
+  const NoDataPoints no_data = NoDataPoints::find(columns, cloud.size(), check);
+  no_data.drop(cloud, check);
+  no_data.warn(out.warnings);
   evidence.given = options.view;
   if (evidence.position) *evidence.position *= scale;
   if (evidence.stated && evidence.stated->sensor) {
@@ -173,14 +179,15 @@ absl::Status read_positions(const std::array<Column, 3>& columns, bool are_float
     reverse(cloud.z, check);
   }
   if (choice.kind == ViewKind::kWorld) {
-    placement.offset = offset_of(columns, scale, planes, check);
+    placement.offset = offset_of(columns, scale, planes, no_data, check);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double offset = placement.offset[static_cast<Eigen::Index>(axis)];
       if (offset != 0) read_axis(columns[axis], scale, offset, check, *planes[axis]);
     }
+    no_data.drop(cloud, check);
     if (!placement.offset.isZero(0)) warn_of_rounding(columns, scale, check, out);
   }
-  warn_of_overflow(columns, planes, check, out.warnings);
+  warn_of_overflow(columns, planes, no_data, check, out.warnings);
   const bool is_at_origin = choice.sensor && choice.sensor->isZero(0);
   if (is_at_origin) drop_zeros(check, out);
   if (options.keep_everything) keep_position(columns, are_floats, check, out);

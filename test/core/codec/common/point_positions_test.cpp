@@ -2,6 +2,8 @@
 #include "core/codec/common/point_positions.hpp"
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -14,6 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::FloatNear;
 using testing::HasSubstr;
+using testing::IsNan;
 
 template <typename T>
 LabeledCloud read(const std::array<std::vector<T>, 3>& axes, ScalarType type, const ReadOptions& options = {}) {
@@ -62,6 +65,35 @@ TEST(PointPositions, AFewPointsFarAwayMoveNothing) {
   const LabeledCloud near = read<float>({{{0, 1, 2, 1e9F}, {0, 1, 2, 0}, {-1, 0, 1, 0}}}, ScalarType::kFloat32);
   EXPECT_TRUE(near.placement.is_identity());
   EXPECT_EQ(near.cloud.x[3], 1e9F);
+}
+
+TEST(PointPositions, NumbersForNoDataAreNoPoints) {
+  const LabeledCloud heights =
+      read<double>({{{389425, 389426, 389427, 389428}, {1, 2, 3, 4}, {112, -9999, -9999, 113}}}, ScalarType::kFloat64,
+                   {.keep_everything = true});
+  EXPECT_EQ(heights.placement.offset.z(), 113) << "the median of those that are measured";
+  EXPECT_THAT(heights.cloud.z, ElementsAre(-1.0F, IsNan(), IsNan(), 0.0F));
+  EXPECT_TRUE(std::isnan(heights.cloud.x[1]));
+  EXPECT_THAT(heights.file_position[2], ElementsAre(112, -9999, -9999, 113)) << "outputs have what the file has";
+  ASSERT_EQ(heights.warnings.size(), 1U);
+  EXPECT_EQ(heights.warnings[0].reason, WarningReason::kPointsNotUsed);
+  EXPECT_EQ(heights.warnings[0].message,
+            "2 points have the coordinate -9999, which stands for no data, and are not used");
+  constexpr float kLargest = std::numeric_limits<float>::max();
+  const LabeledCloud whole =
+      read<float>({{{0, -kLargest, 1}, {0, -kLargest, 1}, {0, -kLargest, 1}}}, ScalarType::kFloat32);
+  EXPECT_TRUE(std::isnan(whole.cloud.x[1]));
+  ASSERT_EQ(whole.warnings.size(), 1U);
+  EXPECT_THAT(whole.warnings[0].message, HasSubstr("1 point has the coordinate -3.40282347e+38"));
+}
+
+TEST(PointPositions, TheSameNumbersAmongOthersArePoints) {
+  // A mine in millimeters, and a cloud of which nothing else is known.
+  const LabeledCloud mine = read<float>({{{0, 1, 2}, {0, 1, 2}, {-9000, -9999, -12000}}}, ScalarType::kFloat32);
+  EXPECT_EQ(mine.cloud.z[1] - mine.cloud.z[0], -999);
+  const LabeledCloud all = read<float>({{{-9999, -9999}, {0, 1}, {0, 1}}}, ScalarType::kFloat32);
+  EXPECT_TRUE(std::isfinite(all.cloud.x[0]));
+  EXPECT_TRUE(mine.warnings.empty() && all.warnings.empty());
 }
 
 TEST(PointPositions, NumbersBeyondTheEarthMoveNothing) {
