@@ -102,8 +102,9 @@ void RecordingReport::print_warnings_of_frames() const {
 }
 
 absl::Status RecordingReport::status(const std::vector<codec::Warning>& warnings) const {
-  if (frames() == 0 && !warnings.empty()) {
-    return absl::InvalidArgumentError(fmt::format("{}: it has no frame of {} that could be read", input_, topic_.name));
+  if (frames() == 0) {
+    const std::string_view what = warnings.empty() ? "message in" : "frame that could be read in";
+    return absl::InvalidArgumentError(fmt::format("{}: there is no {} the topic {}", input_, what, topic_.name));
   }
   if (failed_ == 0) return absl::OkStatus();
   const std::string message = fmt::format("{} of {} frames failed; {}", failed_, frames(), first_failure_);

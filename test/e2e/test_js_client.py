@@ -4,6 +4,7 @@
 JS_PACKAGE is the folder of the package that was built of client/js.
 """
 import json
+import math
 import os
 import pathlib
 import shutil
@@ -108,7 +109,7 @@ class SameLabels(JavaScriptClient):
             self.assertEqual(result["view"], {"kind": "world", "sensor": [0, 0, -0.5]})
 
     def test_of_images(self):
-        depth = [0 if value != value else round(value * 1000) for value in self.z]
+        depth = [0 if value != value else math.floor(value * 1000 + 0.5) for value in self.z]  # as Math.round
         (self.folder / "depth.png").write_bytes(png.gray16(WIDTH, HEIGHT, depth))
         (self.folder / "color.png").write_bytes(png.rgb8(WIDTH, HEIGHT, [color & 0xffffff for color in self.colors]))
         output = self.path("labels.pcd")

@@ -11,8 +11,9 @@ namespace segserve::codec {
 namespace {
 
 constexpr double kFloat = std::numeric_limits<float>::max(), kDouble = std::numeric_limits<double>::max();
-constexpr std::array kNumbers = {-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e30,    -1e30,
-                                 1e38,    -1e38,    kFloat,    -kFloat,  kDouble,  -kDouble};
+constexpr double k30 = 1e30F, k38 = 1e38F;  // floats, which are not the doubles of these names
+constexpr std::array kNumbers = {-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e30,    -1e30,   1e38,    -1e38,
+                                 k30,     -k30,     k38,       -k38,     kFloat,   -kFloat, kDouble, -kDouble};
 constexpr double kNearestBelow = 9999, kNearestAbove = 1e30;
 constexpr double kExtents = 10;  // such a number is away from the other coordinates by so many of their extents
 

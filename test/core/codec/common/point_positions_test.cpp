@@ -85,6 +85,7 @@ TEST(PointPositions, NumbersForNoDataAreNoPoints) {
   EXPECT_TRUE(std::isnan(whole.cloud.x[1]));
   ASSERT_EQ(whole.warnings.size(), 1U);
   EXPECT_THAT(whole.warnings[0].message, HasSubstr("1 point has the coordinate -3.40282347e+38"));
+  EXPECT_EQ(read<float>({{{0, 1}, {0, 1}, {1e30F, 1}}}, ScalarType::kFloat32).warnings.size(), 1U);
 }
 
 TEST(PointPositions, TheSameNumbersAmongOthersArePoints) {
