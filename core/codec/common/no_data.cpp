@@ -10,11 +10,14 @@
 namespace segserve::codec {
 namespace {
 
-constexpr double kFloat = std::numeric_limits<float>::max(), kDouble = std::numeric_limits<double>::max();
-constexpr double k30 = 1e30F, k38 = 1e38F;  // floats, which are not the doubles of these names
-constexpr std::array kNumbers = {-9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 1e30,    -1e30,   1e38,    -1e38,
-                                 k30,     -k30,     k38,       -k38,     kFloat,   -kFloat, kDouble, -kDouble};
-constexpr double kNearestBelow = 9999, kNearestAbove = 1e30;
+constexpr std::array kNumbers = {-9999.0,
+                                 -99999.0,
+                                 -999999.0,
+                                 -32768.0,
+                                 -32767.0,
+                                 static_cast<double>(std::numeric_limits<float>::lowest()),
+                                 std::numeric_limits<double>::lowest()};
+constexpr double kNearest = -9999;
 constexpr double kExtents = 10;  // such a number is away from the other coordinates by so many of their extents
 
 bool stands_for_no_data(double value) { return std::ranges::find(kNumbers, value) != kNumbers.end(); }
@@ -31,13 +34,11 @@ struct AxisRange {
 };
 
 AxisRange range_of(const Column& column, std::size_t points, StopCheck& check) {
-  double lowest = 0, highest = 0;  // NaN changes neither
-  for_each_value(column, points, check, [&](std::size_t, auto number) {
-    const auto value = static_cast<double>(number);
-    lowest = std::min(lowest, value), highest = std::max(highest, value);
-  });
+  double lowest = 0;  // NaN does not change it.
+  for_each_value(column, points, check,
+                 [&lowest](std::size_t, auto number) { lowest = std::min(lowest, static_cast<double>(number)); });
   AxisRange range;
-  if (lowest > -kNearestBelow && highest < kNearestAbove) return range;
+  if (lowest > kNearest) return range;
   for_each_value(column, points, check, [&](std::size_t, auto number) {
     const auto value = static_cast<double>(number);
     if (!std::isfinite(value)) return;

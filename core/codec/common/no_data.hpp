@@ -14,9 +14,8 @@
 namespace segserve::codec {
 
 /// The points of a file that are no measurement because a coordinate is a number that stands for "no data", as grids
-/// of heights have them: -9999, -99999, -999999, -32768, -32767, 1e30 and 1e38, and the largest floats and doubles,
-/// all four of either sign. Such a number counts only if it is farther from all other coordinates of its axis than ten
-/// times their extent.
+/// of heights have them: -9999, -99999, -999999, -32768, -32767, and the lowest float and double. Such a number counts
+/// only if it is farther from all other coordinates of its axis than ten times their extent.
 class NoDataPoints {
  public:
   /// Looks at the columns of an axis only where its values reach as far as the nearest of these numbers.

@@ -13,133 +13,13 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/base/stop_check.hpp"
+#include "core/codec/common/color_channels.hpp"
 #include "core/codec/common/packed_color_column.hpp"
 #include "core/codec/common/point_positions.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
 namespace {
-
-/// Warns of points that are there, and have no color.
-void warn_of_missing_colors(const Column& packed, const Cloud& cloud, StopCheck& check,
-                            std::vector<Warning>& warnings) {
-  const auto [missing, all] = count_missing_colors(packed, cloud, check);
-  if (missing == 0) return;
-  warnings.push_back(
-      {WarningReason::kColorNotUsed, fmt::format("{} of {} colors are NaN, and become black", missing, all)});
-}
-
-/// The smallest and the largest value that is finite, and whether all values are multiples of 256, or whole.
-struct ChannelRange {
-  double smallest = 0, largest = 0;
-  bool multiples_of_256 = true, is_whole = true;
-};
-
-void extend(ChannelRange& range, const Column& column, std::size_t points, StopCheck& check) {
-  for_each_value(column, points, check, [&range](std::size_t /*i*/, auto value) {
-    const auto number = static_cast<double>(value);
-    if (!std::isfinite(number)) return;
-    range.smallest = std::min(range.smallest, number);
-    range.largest = std::max(range.largest, number);
-    range.multiples_of_256 = range.multiples_of_256 && std::fmod(number, 256) == 0;
-    range.is_whole = range.is_whole && number == std::floor(number);
-  });
-}
-
-/// The factor that makes full intensity 255. Floats up to about 1 have 1 as full intensity, and so have numbers with
-/// decimals whose file claims that they are integers. Far above 255 it is 65535, as in LAS files; some writers multiply
-/// 8 bits by 256 instead of 257. A little above 255, and beyond 16 bits, a value is taken as a slip among bytes, and
-/// clamped.
-double channel_scale(const ChannelRange& range, bool are_floats) {
-  constexpr double kAboutOne = 1.5, kFarAboveBytes = 1023, kSixteenBits = 65535;
-  if ((are_floats || !range.is_whole) && range.largest <= kAboutOne) return 255;
-  if (range.largest <= kFarAboveBytes || range.largest > kSixteenBits) return 1;
-  return range.multiples_of_256 ? 1.0 / 256 : 1.0 / 257;
-}
-
-/// Whether the values are -1 to 1, with 0 as half intensity. A little below 0 is a slip.
-bool are_signed_units(const ChannelRange& range, bool are_floats) {
-  constexpr double kLeast = -1.01, kSlip = -0.1, kMost = 1.01;
-  return (are_floats || !range.is_whole) && range.smallest >= kLeast && range.smallest < kSlip &&
-         range.largest <= kMost;
-}
-
-void warn_of_range(const ChannelRange& range, double full, std::size_t values, std::size_t clamped,
-                   std::vector<Warning>& warnings) {
-  constexpr double kDark = 10;
-  if (clamped > values / 100) {
-    warnings.push_back({WarningReason::kColorNotUsed,
-                        fmt::format("{} of {} color values are beyond 0 to {}, which is taken as full intensity, and "
-                                    "are clamped; they reach from {:.4g} to {:.4g}",
-                                    clamped, values, full, range.smallest, range.largest)});
-  } else if (full == 255 && !range.is_whole && range.largest < kDark) {
-    warnings.push_back({WarningReason::kColorNotUsed,
-                        fmt::format("the colors reach only {:.4g} of 255, and are nearly black; 0 to 1 would be "
-                                    "another range",
-                                    range.largest)});
-  }
-}
-
-/// Rounds to 0 to 255. NaN becomes 0.
-std::uint32_t to_channel(double value) {
-  if (!(value > 0)) return 0;  // The comparison is false for NaN.
-  return value < 255 ? static_cast<std::uint32_t>(std::lround(value)) : 255;
-}
-
-/// Sets one of the three bytes of each color, which must be 0 before.
-template <typename Convert>
-void read_channel(const Column& column, unsigned shift, StopCheck& check, std::vector<std::uint32_t>& out,
-                  Convert convert) {
-  for_each_value(column, out.size(), check, [&](std::size_t i, auto value) { out[i] |= convert(value) << shift; });
-}
-
-/// Whether the values of the channel are bytes. Those of a signed type are the same eight bits.
-bool is_byte(const Column& column) { return size_of(column.type) == 1; }
-
-/// `claimed` is the type that the channels have by what the file says, if it is the same for all. As text, their
-/// numbers have another type.
-void read_channels(const std::array<Column, 3>& columns, ChannelKind kind, std::optional<ScalarType> claimed,
-                   StopCheck& check, std::vector<std::uint32_t>& out, std::vector<Warning>& warnings) {
-  constexpr std::array<unsigned, 3> kShifts{16, 8, 0};
-  if (kind == ChannelKind::kIntensity && std::ranges::all_of(columns, is_byte)) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      read_channel(columns[i], kShifts[i], check, out,
-                   [](auto value) { return std::uint32_t{static_cast<std::uint8_t>(value)}; });
-    }
-    return;
-  }
-  constexpr double kY = 0.28209479177387814;  // sqrt(1 / (4 pi))
-  double scale = 255 * kY, offset = 255 * 0.5;
-  ChannelRange range;
-  if (kind == ChannelKind::kIntensity) {
-    for (const Column& column : columns) extend(range, column, out.size(), check);
-    if (claimed == ScalarType::kInt8 && range.is_whole && range.smallest < 0 && range.largest <= 127) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        read_channel(columns[i], kShifts[i], check, out,
-                     [](auto value) { return std::uint32_t{static_cast<std::uint8_t>(static_cast<int>(value))}; });
-      }
-      return;
-    }
-    const bool are_floats = claimed && is_float(*claimed);
-    const bool are_signed = are_signed_units(range, are_floats);
-    scale = are_signed ? 255 * 0.5 : channel_scale(range, are_floats);
-    offset = are_signed ? 255 * 0.5 : 0;
-  } else if (kind == ChannelKind::kSixteenBits) {
-    scale = 1.0 / 257;
-    offset = 0;
-  }
-  constexpr double kSlip = 2;
-  std::size_t values = 0, clamped = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    read_channel(columns[i], kShifts[i], check, out, [scale, offset, &values, &clamped](auto value) {
-      const double intensity = static_cast<double>(value) * scale + offset;
-      values += std::isfinite(intensity) ? 1 : 0;
-      clamped += intensity < -kSlip || intensity > 255 + kSlip ? 1 : 0;
-      return to_channel(intensity);
-    });
-  }
-  if (kind == ChannelKind::kIntensity) warn_of_range(range, 255 / scale, values, clamped, warnings);
-}
 
 /// The label, or nullopt if it is not a 32-bit integer. Negative labels and NaN become 0, because other programs mark
 /// points without a label by them.
@@ -171,33 +51,57 @@ void read_label(const Column& column, std::size_t points, StopCheck& check, Labe
   out.warnings.push_back({WarningReason::kLabelNotUsed, fault});
 }
 
-/// Returns whether some packed colors are missing.
-bool read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
+/// The columns of the channels that the file has, wherever they are.
+std::optional<Channels> channels_of(const PointTable& table) {
+  const FieldRoles& roles = table.roles;
+  Channels columns;
+  if (roles.channels) {
+    for (std::size_t k = 0; k < 3; ++k) columns[k] = table.column((*roles.channels)[k]);
+    return columns;
+  }
+  if (!roles.color_vector) return std::nullopt;
+  columns.fill(table.column(*roles.color_vector));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t place = roles.color_vector_is_reversed ? 2 - k : k;
+    columns[k].data += place * size_of(columns[k].type);
+  }
+  return columns;
+}
+
+/// The type that all channels have by what the file says.
+std::optional<ScalarType> claimed_type(const PointTable& table) {
+  if (table.roles.color_vector) return table.fields[*table.roles.color_vector].type;
+  const auto [red, green, blue] = *table.roles.channels;
+  const ScalarType type = table.fields[red].type;
+  const bool are_alike = table.fields[green].type == type && table.fields[blue].type == type;
+  return are_alike ? std::optional(type) : std::nullopt;
+}
+
+/// How colors that are missing may be marked; packed ones are NaN.
+MissingColorSigns read_color(const PointTable& table, StopCheck& check, LabeledCloud& out) {
   const FieldRoles& roles = table.roles;
   std::vector<std::uint32_t>& rgb = out.cloud.rgb;
   if (roles.packed) {
     const PackedColors found = read_packed_color(table.column(*roles.packed), check, rgb);
-    if (found.are_colors) return found.some_are_missing;
+    if (found.are_colors) return {.is_nan = found.some_are_missing};
     rgb.clear();
     out.warnings.push_back({WarningReason::kColorNotUsed,
                             fmt::format("the cloud has no color: some values of {} are no colors packed into 4 bytes",
                                         quoted(table.fields[*roles.packed].name))});
-  } else if (roles.channels) {
-    const auto [red, green, blue] = *roles.channels;
-    std::optional<ScalarType> claimed = table.fields[red].type;
-    if (table.fields[green].type != *claimed || table.fields[blue].type != *claimed) claimed.reset();
-    read_channels({table.column(red), table.column(green), table.column(blue)}, roles.channel_kind, claimed, check, rgb,
-                  out.warnings);
-  } else if (roles.color_vector) {
-    std::array<Column, 3> columns;
-    columns.fill(table.column(*roles.color_vector));
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t place = roles.color_vector_is_reversed ? 2 - k : k;
-      columns[k].data += place * size_of(columns[k].type);
-    }
-    read_channels(columns, roles.channel_kind, table.fields[*roles.color_vector].type, check, rgb, out.warnings);
+  } else if (const auto channels = channels_of(table)) {
+    return read_channels(*channels, roles.channel_kind, claimed_type(table), check, rgb, out.warnings);
   }
-  return false;
+  return {};
+}
+
+void warn_of_missing_colors(const PointTable& table, MissingColorSigns signs, StopCheck& check, LabeledCloud& out) {
+  if (!table.roles.packed) {
+    const auto channels = channels_of(table);
+    if (channels) warn_of_missing_channels(*channels, signs, out.cloud, check, out.warnings);
+  } else if (signs.is_nan) {
+    const auto [missing, all] = count_missing_colors(table.column(*table.roles.packed), out.cloud, check);
+    warn_of_missing_colors(missing, all, "NaN", out.warnings);
+  }
 }
 
 /// Copies the values of a field in its type, in little-endian order.
@@ -295,7 +199,7 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   out.cloud.width = table.width;
   out.cloud.height = table.height;
   StopCheck check(stop);
-  const bool has_missing_colors = read_color(table, check, out);
+  const MissingColorSigns missing_colors = read_color(table, check, out);
   if (roles.label && !check.stopped()) read_label(table.column(*roles.label), table.points(), check, out);
   if (options.keep_everything) keep_attributes(table, check, out);
   const auto [x, y, z] = roles.position;
@@ -307,7 +211,7 @@ absl::Status read_points(const PointTable& given, const ViewEvidence& evidence, 
   if (table.stated.view) all_evidence.stated = table.stated.view;
   RETURN_IF_ERROR(
       read_positions({table.column(x), table.column(y), table.column(z)}, are_floats, all_evidence, read, check, out));
-  if (has_missing_colors) warn_of_missing_colors(table.column(*roles.packed), out.cloud, check, out.warnings);
+  warn_of_missing_colors(table, missing_colors, check, out);
   return check.status();
 }
 

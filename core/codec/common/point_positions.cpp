@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -132,8 +133,28 @@ void keep_position(const std::array<Column, 3>& columns, bool are_floats, StopCh
   }
 }
 
-/// Makes points at the origin, where the sensor is, points that are not finite.
-void drop_zeros(StopCheck& check, LabeledCloud& out) {
+/// Whether points at (0, 0, 0) can be no part of a surface, because there are many of them, and no others near them.
+bool are_fill_values(const Cloud& cloud, StopCheck& check) {
+  constexpr std::size_t kFewest = 10;
+  constexpr double kAway = 4;  // distances of neighboring points
+  std::size_t zeros = 0;
+  double nearest = std::numeric_limits<double>::infinity();
+  check.for_each(0, cloud.size(), [&](std::size_t i) {
+    if (!is_finite(cloud.x[i], cloud.y[i], cloud.z[i])) return;
+    const Eigen::Vector3d p(cloud.x[i], cloud.y[i], cloud.z[i]);
+    if (p.isZero(0)) {
+      ++zeros;
+    } else {
+      nearest = std::min(nearest, p.squaredNorm());
+    }
+  });
+  if (zeros < kFewest || std::isinf(nearest)) return false;
+  const std::optional<double> spacing = point_spacing(cloud, check);
+  return spacing && nearest > kAway * kAway * *spacing * *spacing;
+}
+
+/// Makes points at the origin, which are no measurement for this reason, points that are not finite.
+void drop_zeros(std::string_view reason, StopCheck& check, LabeledCloud& out) {
   Cloud& cloud = out.cloud;
   std::size_t zeros = 0;
   check.for_each(0, cloud.size(), [&](std::size_t i) {
@@ -142,9 +163,9 @@ void drop_zeros(StopCheck& check, LabeledCloud& out) {
     cloud.x[i] = cloud.y[i] = cloud.z[i] = std::numeric_limits<float>::quiet_NaN();
   });
   if (zeros == 0) return;
-  out.warnings.push_back({WarningReason::kPointsNotUsed,
-                          fmt::format("{} point{} at (0, 0, 0), where the sensor is, {}", zeros, zeros == 1 ? "" : "s",
-                                      zeros == 1 ? "is no measurement" : "are no measurements")});
+  out.warnings.push_back(
+      {WarningReason::kPointsNotUsed, fmt::format("{} point{} at (0, 0, 0), {}, {}", zeros, zeros == 1 ? "" : "s",
+                                                  reason, zeros == 1 ? "is no measurement" : "are no measurements")});
 }
 
 void reverse(std::vector<float>& plane, StopCheck& check) {
@@ -189,7 +210,11 @@ absl::Status read_positions(const std::array<Column, 3>& columns, bool are_float
   }
   warn_of_overflow(columns, planes, no_data, check, out.warnings);
   const bool is_at_origin = choice.sensor && choice.sensor->isZero(0);
-  if (is_at_origin) drop_zeros(check, out);
+  if (is_at_origin) {
+    drop_zeros("where the sensor is", check, out);
+  } else if (placement.offset.isZero(0) && are_fill_values(cloud, check)) {
+    drop_zeros("far from all others", check, out);
+  }
   if (options.keep_everything) keep_position(columns, are_floats, check, out);
   cloud.view = {choice.kind, std::nullopt};
   if (choice.sensor) {

@@ -56,6 +56,53 @@ class PackedColorEvidence {
   bool are_bits_ = true, are_integers_ = true, descends_ = false;
 };
 
+/// What the values of a column tell of whether it is a channel of a color. A color that is missing has NaN or -1.
+class ChannelEvidence {
+ public:
+  void take(double value) {
+    rises_ = rises_ && value > last_;
+    last_ = value;
+    if (std::isnan(value) || value == -1) return;
+    ++count_;
+    smallest_ = std::min(smallest_, value), largest_ = std::max(largest_, value);
+    is_whole_ = is_whole_ && value == std::floor(value);
+  }
+
+  double largest() const { return largest_; }
+  bool is_in_range() const { return count_ > 0 && smallest_ >= 0 && largest_ <= 65535; }
+  bool has_decimals() const { return !is_whole_; }
+  /// Whether the channel has whole numbers of which some are neither 0 nor 1, nor all the same.
+  bool has_levels() const { return is_whole_ && largest_ > 1 && smallest_ < largest_; }
+  bool rises_with_rows(std::size_t points) const {
+    constexpr std::size_t kFewest = 100;
+    return points >= kFewest && rises_;
+  }
+
+ private:
+  double last_ = -std::numeric_limits<double>::infinity();
+  double smallest_ = std::numeric_limits<double>::infinity(), largest_ = -std::numeric_limits<double>::infinity();
+  std::size_t count_ = 0;
+  bool is_whole_ = true, rises_ = true;
+};
+
+/// Whether three columns are alike, as the channels of a color are: none has levels where another one has decimals, the
+/// largest values are of one magnitude, unless they are 0, and they are not as small as classes or returns are.
+bool are_channels(const std::array<ChannelEvidence, 3>& channels) {
+  constexpr double kFewestLevels = 16, kMostAlike = 30;
+  double smallest = std::numeric_limits<double>::infinity(), largest = 0;
+  bool has_decimals = false, has_levels = false;
+  for (const ChannelEvidence& channel : channels) {
+    if (!channel.is_in_range()) return false;
+    has_decimals = has_decimals || channel.has_decimals();
+    has_levels = has_levels || channel.has_levels();
+    if (channel.largest() > 0) smallest = std::min(smallest, channel.largest());
+    largest = std::max(largest, channel.largest());
+  }
+  if (has_decimals && has_levels) return false;
+  if (has_levels && largest < kFewestLevels) return false;
+  return largest == 0 || largest <= kMostAlike * smallest;
+}
+
 class ColumnNamer {
  public:
   /// There are so many columns `before` these.
@@ -67,10 +114,13 @@ class ColumnNamer {
     return names_;
   }
 
-  /// Whether the number of the columns alone makes their meaning plain.
-  bool is_plain() const {
-    if (has_packed_) return false;
-    return columns_.size() <= 4 || columns_.size() == 6 || (columns_.size() == 7 && !is_ambiguous_);
+  /// Whether the number of the columns alone makes their meaning plain, and their values agree with it.
+  bool is_plain() {
+    const bool has_guess = std::ranges::any_of(
+        names_, [](const auto& name) { return name == "rgb" || name == "label" || name.starts_with("column_"); });
+    if (has_guess || is_ambiguous_) return false;
+    if (columns_.size() == 4 || columns_.size() == 7) return !rises_with_rows(0);  // It may be a time, and x behind it.
+    return columns_.size() == 3 || columns_.size() == 6;
   }
 
  private:
@@ -78,7 +128,6 @@ class ColumnNamer {
 
   void take_next() {
     if (names_.size() == 3 && are_packed_colors(3)) {
-      has_packed_ = true;
       names_.emplace_back("rgb");
       return;
     }
@@ -164,13 +213,23 @@ class ColumnNamer {
 
   void append(const Names& names) { names_.insert(names_.end(), names.begin(), names.end()); }
 
-  /// Whether the three columns from `first` on are finite, at least 0, and at most 16 bits.
+  /// Whether the three columns from `first` on look like the channels of one color.
   bool is_color(std::size_t first) {
-    bool fits = true;
-    for (std::size_t i = first; fits && i < first + 3; ++i) {
-      fits = are_all(i, [](double value) { return value >= 0 && value <= 65535; });
+    std::array<ChannelEvidence, 3> channels;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+      for_each_value(columns_[first + i], points_, check_,
+                     [&channel = channels[i]](std::size_t, auto value) { channel.take(static_cast<double>(value)); });
+      if (channels[i].rises_with_rows(points_)) return false;
     }
-    return fits;
+    return are_channels(channels);
+  }
+
+  /// Whether each value of a column is larger than that of the point before it, as times are.
+  bool rises_with_rows(std::size_t column) {
+    ChannelEvidence evidence;
+    for_each_value(columns_[column], points_, check_,
+                   [&evidence](std::size_t, auto value) { evidence.take(static_cast<double>(value)); });
+    return evidence.rises_with_rows(points_);
   }
 
   /// Whether the three columns from `first` on have length 1, but for some that are 0 or not finite.
@@ -195,7 +254,7 @@ class ColumnNamer {
   StopCheck& check_;
   std::vector<std::string> names_;
   std::size_t color_ = 0;  // the first of the colors; 0 if there are none so far
-  bool has_normal_ = false, has_packed_ = false, is_ambiguous_ = false;
+  bool has_normal_ = false, is_ambiguous_ = false;
 };
 
 /// Whether the first column has the numbers of the points. Coordinates may count the rows, too, if a triple of colors

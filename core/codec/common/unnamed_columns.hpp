@@ -19,6 +19,9 @@ namespace segserve::codec {
 ///     x y z red green blue alpha (full for all points)
 ///     x y z rgb (integers beyond 16 bits that do not ascend as times do, or their bits as floats)
 ///
+/// Three columns are a color if they look alike: whole numbers or decimals, of one magnitude, none rising from row to
+/// row as times do. NaN and -1 are colors that are missing.
+///
 /// A first column of integers that count the rows, before three others at least and no two triples, is the number of
 /// the point, as surveyors write it; so it is, whatever its values, if it is known to have the numbers of the rows.
 ///

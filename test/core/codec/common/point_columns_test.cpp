@@ -80,6 +80,8 @@ TEST(PointColumns, ColorsOfAnUnknownRangeAreMentioned) {
               HasSubstr("2 of 9 color values are beyond 0 to 255"));
   EXPECT_THAT(message_of(with_red<double>({-128, 3, 127}, ScalarType::kFloat64)), HasSubstr("from -128 to 127"));
   EXPECT_THAT(message_of(with_red<float>({0, 0.3F, 1.7F}, ScalarType::kFloat32)), HasSubstr("reach only 1.7 of 255"));
+  EXPECT_THAT(message_of(with_red<std::uint16_t>({0, 4095, 700}, ScalarType::kUint16)),
+              HasSubstr("reach only 4095 of 65535, and are nearly black; values of 12 bits must be multiplied by 16"));
   EXPECT_EQ(with_red<double>({0, 5, 256}, ScalarType::kFloat64).warnings.size(), 0U);
   EXPECT_EQ(with_red<float>({NAN, -1, 1}, ScalarType::kFloat32).warnings.size(), 0U);
   EXPECT_EQ(with_red<float>({-3, 9}, ScalarType::kFloat32, ChannelKind::kSphericalHarmonic).warnings.size(), 0U);

@@ -85,7 +85,25 @@ TEST(PointPositions, NumbersForNoDataAreNoPoints) {
   EXPECT_TRUE(std::isnan(whole.cloud.x[1]));
   ASSERT_EQ(whole.warnings.size(), 1U);
   EXPECT_THAT(whole.warnings[0].message, HasSubstr("1 point has the coordinate -3.40282347e+38"));
-  EXPECT_EQ(read<float>({{{0, 1}, {0, 1}, {1e30F, 1}}}, ScalarType::kFloat32).warnings.size(), 1U);
+}
+
+TEST(PointPositions, ManyZerosFarFromAllOthersAreNoPoints) {
+  const auto grid = [](float x, int zeros) {
+    std::array<std::vector<float>, 3> axes;
+    for (int i = 0; i < 400; ++i) {
+      axes[0].push_back(x + 0.1F * static_cast<float>(i % 20));
+      axes[1].push_back(0.1F * static_cast<float>(i / 20));
+      axes[2].push_back(0);
+    }
+    for (auto& axis : axes) axis.resize(axis.size() + static_cast<std::size_t>(zeros), 0);
+    return read(axes, ScalarType::kFloat32);
+  };
+  const LabeledCloud filled = grid(3, 30);
+  EXPECT_TRUE(std::isnan(filled.cloud.x[400]));
+  ASSERT_EQ(filled.warnings.size(), 1U);
+  EXPECT_EQ(filled.warnings[0].message, "30 points at (0, 0, 0), far from all others, are no measurements");
+  EXPECT_TRUE(grid(0, 30).warnings.empty()) << "on a surface they may be points";
+  EXPECT_TRUE(grid(3, 5).warnings.empty()) << "few";
 }
 
 TEST(PointPositions, TheSameNumbersAmongOthersArePoints) {
