@@ -64,7 +64,7 @@ class HttpSession {
   static constexpr std::size_t kPiece = std::size_t{32} << 10U;
   static constexpr std::uint64_t kFirstBytes = std::uint64_t{1} << 20U;
   static constexpr std::size_t kAnswerPiece = std::size_t{256} << 10U;
-  static constexpr std::uint64_t kFreeSteps = 1000, kBytesPerStep = 64;
+  static constexpr std::uint64_t kFreeSteps = 256, kBytesPerStep = 64;
   static constexpr std::chrono::milliseconds kTick{200};
   // A client that still sends when its request was refused may read the answer for so long.
   static constexpr std::chrono::milliseconds kLingerTime{2000};
