@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <functional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -23,6 +25,7 @@
 #include "server/http/http_tls.hpp"
 #include "server/listener/address_claim.hpp"
 #include "server/listener/file_descriptors.hpp"
+#include "server/listener/grpc_port.hpp"
 #include "server/memory/memory_ledger.hpp"
 #include "server/metrics/service_metrics.hpp"
 #include "server/metrics/tls_metrics.hpp"
@@ -39,6 +42,7 @@ namespace {
 
 // The transport needs bounds of its own, because a unary request is in memory before our code sees it.
 constexpr int kMaxStreamsPerConnection = 128;
+constexpr std::size_t kMostConnections = 10'000;
 constexpr std::uint64_t kLeastTransportBytes = std::uint64_t{32} << 20U, kMostTransportBytes = std::uint64_t{1} << 30U;
 // With less memory than this, what clients send ahead would not fit beside the frames.
 constexpr std::uint64_t kLeastMemoryForWideWindows = std::uint64_t{1} << 30U;
@@ -88,6 +92,7 @@ class GrpcServer final : public Server {
   int health_port() const override { return health_server_ ? health_server_->port() : 0; }
   int metrics_port() const override { return metrics_ ? metrics_->port() : 0; }
   int http_port() const override { return http_server_ ? http_server_->port() : 0; }
+  std::vector<WatchedListener> listeners() const override;
   std::size_t calls() const override { return service_.calls_in_flight(); }
   void set_alive(bool alive) override { health_.set_alive(alive); }
   std::optional<TlsStatus> tls_status() const override {
@@ -108,7 +113,8 @@ class GrpcServer final : public Server {
   ReflectionV1 reflection_v1_{reflection_calls_};
   ReflectionV1Alpha reflection_v1alpha_{reflection_calls_};
   std::shared_ptr<grpc::ServerCredentials> credentials_;
-  std::unique_ptr<grpc::Server> server_;  // is destroyed before the services that it calls
+  std::unique_ptr<GrpcPort> grpc_port_;   // of a TCP address; gRPC listens at paths itself
+  std::unique_ptr<grpc::Server> server_;  // is destroyed before the services and the port that it calls
   std::optional<AddressClaim> claim_;
   std::unique_ptr<HealthServer> health_server_;
   std::unique_ptr<ServiceMetrics> metrics_;  // is destroyed before the service that it asks
@@ -148,23 +154,47 @@ absl::Status GrpcServer::listen(const ListenAddress& address) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_STREAM_LOOKAHEAD_BYTES, wire::kFlowControlBytes);
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // otherwise two servers could share a port without a word
   credentials_ = certificates_ ? tls_credentials(certificates_) : grpc::InsecureServerCredentials();
-  builder.AddListeningPort(claim_->bind_address(), credentials_, &port_);
+  absl::Status bound = absl::OkStatus();
+  if (address.is_unix) {
+    builder.AddListeningPort(claim_->bind_address(), credentials_);
+  } else {
+    auto port = GrpcPort::open(address, builder, credentials_);
+    bound = port.status();
+    if (port.ok()) grpc_port_ = *std::move(port);
+  }
   builder.RegisterService(&service_);
   builder.RegisterService(&health_service_);
   if (options_.reflection) {
     builder.RegisterService(&reflection_v1_);
     builder.RegisterService(&reflection_v1alpha_);
   }
-  server_ = builder.BuildAndStart();
+  if (bound.ok()) server_ = builder.BuildAndStart();
   if (!server_) {
     return absl::UnavailableError(
         fmt::format("cannot listen on {}: {}", claim_->bind_address(), why_not_bindable(address)));
   }
   RETURN_IF_ERROR(claim_->publish());
-  if (address.is_unix) port_ = 0;
+  if (grpc_port_) {
+    port_ = grpc_port_->port();
+    RETURN_IF_ERROR(
+        grpc_port_->start(connections_of_grpc(kMostConnections, BoundedAcceptor::kDescriptorsOfConnection)));
+  }
   address_ = with_port(address, port_);
   health_.set_ready(true);
   return absl::OkStatus();
+}
+
+std::vector<WatchedListener> GrpcServer::listeners() const {
+  std::vector<WatchedListener> all;
+  const auto add = [&all](const std::string& text, int port, std::function<std::uint64_t()> accepted) {
+    auto address = parse_listen_address(text);
+    if (address.ok()) all.push_back({*std::move(address), port, std::move(accepted)});
+  };
+  using Accepted = std::function<std::uint64_t()>;
+  add(options_.listen, port_, grpc_port_ ? Accepted([this] { return grpc_port_->accepted(); }) : nullptr);
+  if (health_server_) add(options_.health_listen, health_port(), health_server_->accepted());
+  if (http_server_) add(options_.http, http_port(), [this] { return http_server_->accepted(); });
+  return all;
 }
 
 absl::Status GrpcServer::listen_for_probes(const ListenAddress& address) {
@@ -218,6 +248,7 @@ bool GrpcServer::stop() {
   reflection_calls_.close();
   if (http_server_) http_server_->close();
   claim_->release();
+  if (grpc_port_) grpc_port_->close();
   server_->Shutdown(std::chrono::system_clock::now() + kCloseTime);
   server_->Wait();
   service_.wait_until_idle();

@@ -5,9 +5,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/frames/segmentation_backend.hpp"
+#include "server/listener/watched_listener.hpp"
 #include "server/observe/service_observer.hpp"
 #include "server/options/server_options.hpp"
 #include "server/tls/certificate_reloader.hpp"
@@ -47,6 +49,8 @@ class Server {
   virtual int metrics_port() const = 0;
   /// The port of ServerOptions::http; 0 without it.
   virtual int http_port() const = 0;
+  /// The addresses of ServerOptions::listen, health_listen and http at which it listens.
+  virtual std::vector<WatchedListener> listeners() const = 0;
   /// Unary calls that wait or are computed, and open streams.
   virtual std::size_t calls() const = 0;
 

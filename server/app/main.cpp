@@ -14,7 +14,6 @@
 #include <system_error>
 #include <thread>
 #include <utility>
-#include <vector>
 
 #include "fmt/format.h"
 #include "server/app/announcement.hpp"
@@ -25,7 +24,6 @@
 #include "server/listener/listener_watch.hpp"
 #include "server/log/program_log.hpp"
 #include "server/memory/memory_return.hpp"
-#include "server/options/listen_address.hpp"
 #include "server/server.hpp"
 #include "spdlog/spdlog.h"
 
@@ -65,15 +63,8 @@ std::unique_ptr<segserve::server::ListenerWatch> watch_listeners(const segserve:
                                                                  const segserve::server::Server& server,
                                                                  std::function<void()> on_deaf) {
   if (flags.listener_check == std::chrono::milliseconds(0)) return nullptr;
-  std::vector<segserve::server::WatchedListener> listeners;
-  const auto add = [&listeners](const std::string& text, int port) {
-    auto address = segserve::server::parse_listen_address(text);
-    if (address.ok()) listeners.push_back({*std::move(address), port});
-  };
-  add(flags.server.listen, server.port());
-  if (!flags.server.health_listen.empty()) add(flags.server.health_listen, server.health_port());
-  if (!flags.server.http.empty()) add(flags.server.http, server.http_port());
-  return std::make_unique<segserve::server::ListenerWatch>(listeners, flags.listener_check, std::move(on_deaf));
+  return std::make_unique<segserve::server::ListenerWatch>(server.listeners(), flags.listener_check,
+                                                           std::move(on_deaf));
 }
 
 /// The time that the last traces may take after the last frame.

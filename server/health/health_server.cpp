@@ -10,7 +10,6 @@
 #include "grpcpp/resource_quota.h"
 #include "grpcpp/security/server_credentials.h"
 #include "server/listener/file_descriptors.hpp"
-#include "server/listener/socket.hpp"
 
 namespace segserve::server {
 namespace {
@@ -24,16 +23,6 @@ constexpr int kProbeHandshakeMs = 5'000, kProbeIdleMs = 30'000;
 constexpr std::size_t kMostProbeConnections = 64;
 constexpr std::size_t kProbeTransportBytes = std::size_t{16} << 20U;
 constexpr std::chrono::milliseconds kProbeCloseTime{100};
-
-/// Listens where gRPC would: all addresses of IPv4 stand for all of IPv6, too, where there is IPv6.
-absl::StatusOr<Socket> listen_as_grpc(const ListenAddress& address) {
-  if (address.host == "0.0.0.0") {
-    ListenAddress all = address;
-    all.host = "::";
-    if (absl::StatusOr<Socket> socket = listen_at(all); socket.ok()) return socket;
-  }
-  return listen_at(address);
-}
 
 }  // namespace
 
@@ -67,26 +56,18 @@ bool HealthServer::listen_at_path(grpc::ServerBuilder& builder) {
 }
 
 bool HealthServer::listen_at_port(grpc::ServerBuilder& builder, const ListenAddress& address) {
-  using Way = grpc::ServerBuilder::experimental_type::ExternalConnectionType;
-  absl::StatusOr<Socket> listener = listen_as_grpc(address);
-  if (!listener.ok()) return false;
-  entry_ = builder.experimental().AddExternalConnectionAcceptor(Way::FROM_FD, grpc::InsecureServerCredentials());
+  auto port = GrpcPort::open(address, builder, grpc::InsecureServerCredentials());
+  if (!port.ok()) return false;
+  port_ = *std::move(port);
   server_ = builder.BuildAndStart();
-  if (!server_) return false;
-  const std::size_t most = connections_beside_grpc(kMostProbeConnections, BoundedAcceptor::kDescriptorsOfConnection);
-  auto acceptor = BoundedAcceptor::start(*std::move(listener), most, [this](Socket connection) {
-    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-    parameters.fd = connection.release();
-    entry_->HandleNewConnection(&parameters);
-  });
-  if (acceptor.ok()) acceptor_ = *std::move(acceptor);
-  return acceptor_ != nullptr;
+  return server_ &&
+         port_->start(connections_beside_grpc(kMostProbeConnections, BoundedAcceptor::kDescriptorsOfConnection)).ok();
 }
 
 HealthServer::~HealthServer() {
   if (!server_) return;
   claim_.release();
-  acceptor_.reset();
+  if (port_) port_->close();
   server_->Shutdown(std::chrono::system_clock::now() + kProbeCloseTime);
   server_->Wait();
 }

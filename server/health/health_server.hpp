@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -11,7 +13,7 @@
 #include "server/health/health_service.hpp"
 #include "server/health/health_state.hpp"
 #include "server/listener/address_claim.hpp"
-#include "server/listener/bounded_acceptor.hpp"
+#include "server/listener/grpc_port.hpp"
 #include "server/options/listen_address.hpp"
 
 namespace segserve::server {
@@ -30,7 +32,13 @@ class HealthServer {
   /// The address, with the port that was picked for port 0.
   const std::string& address() const { return address_; }
   /// 0 for a unix socket.
-  int port() const { return acceptor_ ? acceptor_->port() : 0; }
+  int port() const { return port_ ? port_->port() : 0; }
+
+  /// Counts the connections that were accepted so far; null for a unix socket.
+  std::function<std::uint64_t()> accepted() const {
+    if (!port_) return nullptr;
+    return [this] { return port_->accepted(); };
+  }
 
  private:
   HealthServer(HealthState& state, AddressClaim claim) : service_(state), claim_(std::move(claim)) {}
@@ -41,9 +49,8 @@ class HealthServer {
 
   HealthService service_;
   AddressClaim claim_;
-  std::unique_ptr<grpc::Server> server_;  // is destroyed before the service that it calls
-  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> entry_;
-  std::unique_ptr<BoundedAcceptor> acceptor_;  // of a port; gRPC listens at paths itself
+  std::unique_ptr<GrpcPort> port_;        // gRPC listens at paths itself
+  std::unique_ptr<grpc::Server> server_;  // is destroyed before the service and the port that it calls
   std::string address_;
 };
 

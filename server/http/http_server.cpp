@@ -2,6 +2,7 @@
 #include "server/http/http_server.hpp"
 
 #include <array>
+#include <atomic>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/executor_work_guard.hpp>
@@ -37,16 +38,6 @@ constexpr std::size_t kThreads = 2;
 // The time without new connections after one could not be taken, for example because there are too many open files.
 constexpr std::chrono::milliseconds kPause{100};
 
-/// The other end of a socket, as gRPC names it; empty if it has gone already.
-std::string peer_name(const Tcp::socket& socket) {
-  boost::system::error_code error;
-  const Tcp::endpoint end = socket.remote_endpoint(error);
-  if (error) return "";
-  const std::string address = end.address().to_string();
-  return end.address().is_v6() ? fmt::format("ipv6:[{}]:{}", address, end.port())
-                               : fmt::format("ipv4:{}:{}", address, end.port());
-}
-
 /// Lets a connection be cut as long as its stream is there.
 class Attachment {
  public:
@@ -79,6 +70,7 @@ class BeastServer final : public HttpServer {
   void serve(const Socket& listener, bool is_ipv6);
 
   int port() const override { return port_; }
+  std::uint64_t accepted() const override { return accepted_; }
   void close() override;
 
  private:
@@ -95,6 +87,7 @@ class BeastServer final : public HttpServer {
   net::executor_work_guard<net::io_context::executor_type> work_{io_.get_executor()};
   Tcp::acceptor acceptor_;
   int port_ = 0;
+  std::atomic<std::uint64_t> accepted_{0};
   HttpConnections connections_;
   std::array<std::thread, kThreads> threads_;
 };
@@ -129,6 +122,7 @@ net::awaitable<void> BeastServer::accept() {
       pause.expires_after(kPause);
       co_await pause.async_wait(net::redirect_error(net::use_awaitable, error));
     } else {
+      ++accepted_;
       begin(std::move(socket));
     }
   }
@@ -139,7 +133,7 @@ void BeastServer::begin(Tcp::socket socket) {
     const auto executor = socket.get_executor();
     boost::system::error_code error;
     socket.set_option(Tcp::no_delay(true), error);
-    const auto connection = std::make_shared<HttpConnection>(executor, peer_name(socket));
+    const auto connection = std::make_shared<HttpConnection>(executor, peer_name(socket.native_handle()));
     if (!connections_.add(connection, limits_.connections)) return absl::OkStatus();
     auto steps = tls_ ? serve_tls(std::move(socket), connection) : serve_plain(std::move(socket), connection);
     net::co_spawn(executor, std::move(steps), [this, connection](const std::exception_ptr& thrown) {

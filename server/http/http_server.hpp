@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 
 #include "absl/status/statusor.h"
@@ -34,6 +35,8 @@ class HttpServer {
   virtual ~HttpServer() = default;
 
   virtual int port() const = 0;
+  /// The number of connections that were accepted so far.
+  virtual std::uint64_t accepted() const = 0;
   /// Takes no more connections, and cuts those that there are.
   virtual void close() = 0;
 };

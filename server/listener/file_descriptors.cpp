@@ -9,6 +9,17 @@
 #include <system_error>
 
 namespace segserve::server {
+namespace {
+
+/// As many connections as the part 1 / `share` of the limit holds, but at least one and not more than `most`.
+std::size_t connections_of_share(std::uint64_t share, std::size_t most, std::size_t descriptors_of_connection) {
+  rlimit limit{};
+  getrlimit(RLIMIT_NOFILE, &limit);
+  const std::uint64_t fit = limit.rlim_cur / share / descriptors_of_connection;
+  return std::clamp<std::uint64_t>(fit, 1, most);
+}
+
+}  // namespace
 
 FileDescriptors file_descriptors() {
   rlimit limit{};
@@ -21,10 +32,12 @@ FileDescriptors file_descriptors() {
 
 std::size_t connections_beside_grpc(std::size_t most, std::size_t descriptors_of_connection) {
   constexpr std::uint64_t kShare = 4;
-  rlimit limit{};
-  getrlimit(RLIMIT_NOFILE, &limit);
-  const std::uint64_t fit = limit.rlim_cur / kShare / descriptors_of_connection;
-  return std::clamp<std::uint64_t>(fit, 1, most);
+  return connections_of_share(kShare, most, descriptors_of_connection);
+}
+
+std::size_t connections_of_grpc(std::size_t most, std::size_t descriptors_of_connection) {
+  constexpr std::uint64_t kShare = 2;
+  return connections_of_share(kShare, most, descriptors_of_connection);
 }
 
 void raise_file_descriptor_limit() {

@@ -15,9 +15,11 @@ struct FileDescriptors {
 FileDescriptors file_descriptors();
 
 /// The number of connections that an entrance beside gRPC may have: `most`, or as many as a quarter of the limit holds
-/// if each takes so many descriptors. The rest of the limit is for gRPC, which accepts no connections any more once it
-/// has found no descriptor for one (CVE-2023-4785 in gRPC 1.51).
+/// if each takes so many descriptors.
 std::size_t connections_beside_grpc(std::size_t most, std::size_t descriptors_of_connection = 1);
+
+/// The number of connections that gRPC may have: `most`, or as many as half of the limit holds.
+std::size_t connections_of_grpc(std::size_t most, std::size_t descriptors_of_connection);
 
 /// Raises the limit as far as the system allows it without rights.
 void raise_file_descriptor_limit();

@@ -39,7 +39,10 @@ ListenerWatch::ListenerWatch(const std::vector<WatchedListener>& listeners, std:
 std::vector<ListenerWatch::Watched> ListenerWatch::watched(const std::vector<WatchedListener>& listeners) {
   std::vector<Watched> all;
   for (const WatchedListener& each : listeners) {
-    all.push_back({with_port(each.address, each.port), ListenerProbe(each.address, each.port)});
+    all.push_back({.name = with_port(each.address, each.port),
+                   .probe = ListenerProbe(each.address, each.port),
+                   .accepted = each.accepted,
+                   .accepted_before = each.accepted ? each.accepted() : 0});
   }
   return all;
 }
@@ -58,12 +61,19 @@ bool ListenerWatch::tick() {
 
 bool ListenerWatch::is_deaf(Watched& listener) const {
   const Listener found = listener.probe.look(patience_);
+  const bool lives = has_accepted(listener) || found == Listener::kAnswers;
   if (found == Listener::kUnknown) return false;
-  listener.unanswered = found == Listener::kAnswers ? 0 : listener.unanswered + 1;
+  listener.unanswered = lives ? 0 : listener.unanswered + 1;
   if (listener.unanswered == 0) return false;
   spdlog::warn("the server did not answer a connection of its own to {}, {} in a row", listener.name,
                listener.unanswered);
   return listener.unanswered >= kProbes;
+}
+
+bool ListenerWatch::has_accepted(Watched& listener) {
+  if (!listener.accepted) return false;
+  const std::uint64_t now = listener.accepted();
+  return std::exchange(listener.accepted_before, now) != now;
 }
 
 }  // namespace segserve::server

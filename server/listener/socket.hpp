@@ -3,7 +3,9 @@
 
 #include <unistd.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/options/listen_address.hpp"
@@ -35,6 +37,13 @@ class Socket {
 
 /// A socket that listens at the address and does not block. UNAVAILABLE with the reason if that fails.
 absl::StatusOr<Socket> listen_at(const ListenAddress& address);
+
+/// Sockets that listen at all addresses of the host, with one port. All addresses of IPv4 stand for all of IPv6, too,
+/// where there is IPv6. UNAVAILABLE with the reason if none can be bound.
+absl::StatusOr<std::vector<Socket>> listen_at_all(const ListenAddress& address);
+
+/// The other end of a connection, as gRPC names it, but with plain brackets; empty if it has gone already.
+std::string peer_name(int connection);
 
 /// The port of a socket that listens, and whether its address is one of IPv6.
 int port_of(const Socket& socket);

@@ -43,4 +43,8 @@ std::string client_address(std::string_view peer) {
   return address.starts_with(kIpv6) ? network_of(address.substr(kIpv6.size())) : std::string(address);
 }
 
+std::string connection_name(std::string_view peer) {
+  return client_address(peer).append(" ").append(peer.substr(peer.rfind(':') + 1));
+}
+
 }  // namespace segserve::server

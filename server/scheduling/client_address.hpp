@@ -11,4 +11,7 @@ namespace segserve::server {
 /// all of that. Peers at a unix socket are one client.
 std::string client_address(std::string_view peer);
 
+/// A name for the connection of a peer: its address and port, alike for every way in which they are written.
+std::string connection_name(std::string_view peer);
+
 }  // namespace segserve::server

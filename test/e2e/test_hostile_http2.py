@@ -180,29 +180,41 @@ class HostileHttp2(Attack):
 
         self.attack_in_vain(once)
 
-
-@unittest.skipUnless(IS_FAST, "attacks are measured by memory and time")
-class WeaknessesOfGrpc(Attack):
-    """gRPC 1.51 is open to these (CVE-2023-44487): SECURITY.md says what they do. The server must survive them, and serve as
-    before afterwards."""
-
-    def test_rapid_reset(self):
-        connection = self.connect()
+    def reset_rapidly(self, methods, connections=1):
+        """Opens calls and resets them at once, as fast as possible (CVE-2023-44487, to which gRPC 1.51 is open)."""
+        open_ones = [self.connect() for _ in range(connections)]
+        turn = 0
 
         def once():
-            nonlocal connection
+            nonlocal turn
+            turn = (turn + 1) % connections
+            connection = open_ones[turn]
             try:
-                for _ in range(50):
-                    stream = connection.call(UNARY)
+                for i in range(50):
+                    stream = connection.call(methods[i % len(methods)])
                     connection.send(http2.RST_STREAM, 0, stream, (8).to_bytes(4, "big"))
                 while select.select([connection.socket], [], [], 0)[0]:
                     if not connection.socket.recv(65536):
                         raise OSError("closed")
             except OSError:
-                connection = self.connect()
+                open_ones[turn] = self.connect()
 
-        self.attack(once)
-        self.serves_as_before()
+        self.attack_in_vain(once)
+
+    def test_rapid_reset(self):
+        self.reset_rapidly([UNARY])
+
+    def test_rapid_reset_of_streams_and_of_what_there_is_not(self):
+        self.reset_rapidly([STREAM, "/no.such.Service/Method", "/grpc.health.v1.Health/Watch"])
+
+    def test_rapid_reset_on_many_connections(self):
+        self.reset_rapidly([UNARY, STREAM], connections=20)
+
+
+@unittest.skipUnless(IS_FAST, "attacks are measured by memory and time")
+class WeaknessesOfGrpc(Attack):
+    """gRPC 1.51 is open to these: SECURITY.md says what they do. The server must survive them, and serve as before
+    afterwards."""
 
     def test_empty_data_frames(self):
         connection = self.connect()

@@ -32,30 +32,45 @@ def bench(address, *flags):
 
 
 class FileDescriptors(EndToEnd):
+    def fill(self, family, address):
+        """Opens more connections than a server with few descriptors can have, and closes them again."""
+        connections = []
+        try:
+            for _ in range(100):
+                connections.append(socket.socket(family))
+                connections[-1].settimeout(1)
+                connections[-1].connect(address)
+        except OSError:
+            pass  # the backlog is full
+        time.sleep(1)
+        for connection in connections:
+            connection.close()
+
+    def test_idle_connections_to_a_port_leave_the_server_its_descriptors(self):
+        server = Server(self.folder, "--listener-check", "0.5", before=at_most(resource.RLIMIT_NOFILE, 64))
+        self.addCleanup(server.close)
+        host, port = server.address.split(":")
+        for _ in range(3):
+            self.fill(socket.AF_INET, (host, int(port)))
+            self.run_well("health", "--server", server.address, "--timeout", "5")
+        self.assertEqual(server.terminate(), 0)
+
     def test_a_server_that_has_become_deaf_ends(self):
-        port_file = self.path("health-port")
+        port_file, path = self.path("health-port"), str(self.folder / "socket")
         server = Server(self.folder, "--listener-check", "0.5", "--health-listen", "127.0.0.1:0",
-                        "--health-port-file", str(port_file), before=at_most(resource.RLIMIT_NOFILE, 64))
+                        "--health-port-file", str(port_file), listen=f"unix:{path}",
+                        before=at_most(resource.RLIMIT_NOFILE, 64))
         self.addCleanup(server.close)
         channel = grpc.insecure_channel(f"127.0.0.1:{port_file.read_text().strip()}",
                                         options=[("grpc.enable_http_proxy", 0)])
         self.addCleanup(channel.close)
         liveness = channel.unary_stream("/grpc.health.v1.Health/Watch")(b"\x0a\x08liveness", timeout=60)
         self.assertEqual(next(liveness), SERVING)
-        host, port = server.address.split(":")
-        connections = []
-        try:
-            for _ in range(100):
-                connections.append(socket.create_connection((host, int(port)), timeout=1))
-        except OSError:
-            pass  # the backlog is full
-        time.sleep(1)
-        for connection in connections:
-            connection.close()
-        # gRPC 1.51 accepts no more connections after that. Versions that do are right, too.
+        self.fill(socket.AF_UNIX, path)
+        # At a path gRPC listens itself, and 1.51 accepts no more connections after that. Versions that do are right, too.
         deadline = time.monotonic() + 20
         while server.process.poll() is None and time.monotonic() < deadline:
-            if segctl("health", "--server", server.address, "--timeout", "1").returncode == SUCCESS:
+            if segctl("health", "--server", f"unix:{path}", "--timeout", "1").returncode == SUCCESS:
                 return
         self.assertEqual(server.process.poll(), DEAF)
         self.assertEqual(next(liveness), NOT_SERVING)

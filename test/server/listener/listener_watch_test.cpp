@@ -9,7 +9,9 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <future>
@@ -113,7 +115,7 @@ TEST(ListenerProbe, FindsWhoServesOnAUnixSocket) {
 TEST(ListenerWatch, ReportsAListenerThatTakesConnectionsAndSaysNothing) {
   const DeafListener listener;
   std::promise<void> deaf;
-  const ListenerWatch watch({{kLoopback, listener.port()}}, milliseconds(20), [&deaf] { deaf.set_value(); });
+  const ListenerWatch watch({{kLoopback, listener.port(), nullptr}}, milliseconds(20), [&deaf] { deaf.set_value(); });
   EXPECT_EQ(deaf.get_future().wait_for(seconds(30)), std::future_status::ready);
 }
 
@@ -121,19 +123,32 @@ TEST(ListenerWatch, OneAnswerOutOfThreeIsEnough) {
   const DeafListener listener;
   std::promise<void> deaf;
   auto reported = deaf.get_future();
-  const ListenerWatch watch({{kLoopback, listener.port()}}, milliseconds(200), [&deaf] { deaf.set_value(); });
+  const ListenerWatch watch({{kLoopback, listener.port(), nullptr}}, milliseconds(200), [&deaf] { deaf.set_value(); });
   for (int i = 0; i < 10; ++i) {
     EXPECT_EQ(reported.wait_for(milliseconds(50)), std::future_status::timeout);
     listener.answer();
   }
 }
 
+TEST(ListenerWatch, AListenerThatAcceptsConnectionsIsNotDeaf) {
+  const DeafListener listener;
+  std::promise<void> deaf;
+  auto reported = deaf.get_future();
+  std::atomic<std::uint64_t> accepted{0};
+  std::atomic<bool> accepts{true};
+  const ListenerWatch watch({{kLoopback, listener.port(), [&] { return accepts ? ++accepted : accepted.load(); }}},
+                            milliseconds(20), [&deaf] { deaf.set_value(); });
+  EXPECT_EQ(reported.wait_for(seconds(1)), std::future_status::timeout);
+  accepts = false;
+  EXPECT_EQ(reported.wait_for(seconds(30)), std::future_status::ready);
+}
+
 TEST(ListenerWatch, EveryListenerMustAnswer) {
   const DeafListener first, second;
   std::promise<void> deaf;
   auto reported = deaf.get_future();
-  const ListenerWatch watch({{kLoopback, first.port()}, {kLoopback, second.port()}}, milliseconds(100),
-                            [&deaf] { deaf.set_value(); });
+  const ListenerWatch watch({{kLoopback, first.port(), nullptr}, {kLoopback, second.port(), nullptr}},
+                            milliseconds(100), [&deaf] { deaf.set_value(); });
   const auto end = std::chrono::steady_clock::now() + seconds(30);
   while (reported.wait_for(milliseconds(0)) != std::future_status::ready && std::chrono::steady_clock::now() < end) {
     if (first.has_client(milliseconds(10))) first.answer();
