@@ -15,7 +15,7 @@ bool CallFlood::on_begin(Call call, std::string_view peer, Time now) {
   const bool is_in_excess = ++connection->second.calls > limits_.calls;
   const bool is_too_much = is_in_excess && ++excess_[address] > limits_.excess;
   const bool floods = is_too_fast(name, address, now) || is_too_much;
-  if (floods) held_until_[address] = now + limits_.hold;
+  if (floods) flooded_at_[address] = now;
   return floods;
 }
 
@@ -23,10 +23,11 @@ bool CallFlood::is_too_fast(const std::string& name, const std::string& address,
   if (now - second_began_ >= std::chrono::seconds(1)) {
     second_began_ = now;
     begun_.clear();
-    std::erase_if(held_until_, [now](const auto& each) { return each.second <= now; });
+    std::erase_if(flooded_at_, [&](const auto& each) { return now - each.second >= limits_.probation; });
   }
   const std::int64_t of_connection = ++begun_[name], of_address = ++begun_[address];
-  const std::int64_t rate = waiting_ > limits_.waiting ? limits_.rate_while_waiting : limits_.rate;
+  const bool is_need = waiting_ > limits_.waiting || flooded_at_.contains(address);
+  const std::int64_t rate = is_need ? limits_.rate_in_need : limits_.rate;
   return of_address > rate && of_connection > limits_.few;
 }
 
@@ -48,8 +49,8 @@ void CallFlood::on_end(Call call) {
 
 bool CallFlood::is_held(const std::string& address, Time now) const {
   const MutexLock lock(mutex_);
-  const auto found = held_until_.find(address);
-  return found != held_until_.end() && now < found->second;
+  const auto found = flooded_at_.find(address);
+  return found != flooded_at_.end() && now - found->second < limits_.hold;
 }
 
 }  // namespace segserve::server

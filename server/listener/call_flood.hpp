@@ -21,13 +21,14 @@ namespace segserve::server {
 class CallFlood {
  public:
   struct Limits {
-    std::int64_t calls = 128;               ///< a connection may have at a time; those beyond are in excess
-    std::int64_t excess = 512;              ///< of all connections of an address
-    std::int64_t rate = 2000;               ///< calls of an address that begin in a second
-    std::int64_t waiting = 1024;            ///< calls that have arrived and not begun, of the whole server
-    std::int64_t rate_while_waiting = 384;  ///< does the same as `rate` while more wait
-    std::int64_t few = 32;                  ///< so many calls a second of one connection have no part in a flood
-    std::chrono::milliseconds hold{1000};   ///< new connections of an address that has flooded the server wait so long
+    std::int64_t calls = 128;              ///< a connection may have at a time; those beyond are in excess
+    std::int64_t excess = 512;             ///< of all connections of an address
+    std::int64_t rate = 2000;              ///< calls of an address that begin in a second
+    std::int64_t waiting = 1024;           ///< calls that have arrived and not begun, of the whole server
+    std::int64_t rate_in_need = 384;       ///< instead of `rate` while more wait, and for an address on probation
+    std::int64_t few = 32;                 ///< so many calls a second of one connection have no part in a flood
+    std::chrono::milliseconds hold{1000};  ///< new connections of an address that has flooded the server wait so long
+    std::chrono::milliseconds probation{10'000};  ///< from then on
   };
   using Time = std::chrono::steady_clock::time_point;
   /// Names a call as long as it lasts.
@@ -60,7 +61,7 @@ class CallFlood {
   std::map<std::string, std::int64_t> excess_ ABSL_GUARDED_BY(mutex_);             // by address
   Time second_began_ ABSL_GUARDED_BY(mutex_);
   std::map<std::string, std::int64_t> begun_ ABSL_GUARDED_BY(mutex_);  // in this second, by connection and by address
-  std::map<std::string, Time> held_until_ ABSL_GUARDED_BY(mutex_);     // by address
+  std::map<std::string, Time> flooded_at_ ABSL_GUARDED_BY(mutex_);     // by address, for the last time
 };
 
 }  // namespace segserve::server

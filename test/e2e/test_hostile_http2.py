@@ -92,11 +92,11 @@ class HostileHttp2(Attack):
         super().setUpClass()
         cls.million_points = pcd.equal_points(1_000_000)
 
-    def attack_in_vain(self, once):
+    def attack_in_vain(self, once, slow_ms=500):
         """The victim keeps its frames, nearly at their usual latency, and the server its budget of memory."""
         told = self.attack(once)
         self.assertGreaterEqual(told["frames"]["results"], 0.9 * told["frames"]["sent"], told["errors"])
-        slow = max(3 * self.usual["latency_ms"]["p99"], 500)  # a few frames say little, and other tests run beside this one
+        slow = max(3 * self.usual["latency_ms"]["p99"], slow_ms)  # a few frames say little, and other tests run beside this one
         self.assertLess(told["latency_ms"]["p90"], slow)
         self.assertLess(self.peak(), self.BUDGET + self.BEYOND_BUDGET)
 
@@ -181,14 +181,18 @@ class HostileHttp2(Attack):
         self.attack_in_vain(once)
 
     def reset_rapidly(self, methods, connections=1):
-        """Opens calls and resets them at once, as fast as possible (CVE-2023-44487, to which gRPC 1.51 is open)."""
+        """Opens calls and resets them at once, as fast as possible (CVE-2023-44487, to which gRPC 1.51 is open). The victim
+        is there before, because new connections of an address that floods the server wait."""
         open_ones = [self.connect() for _ in range(connections)]
         turn = 0
 
         def once():
             nonlocal turn
-            turn = (turn + 1) % connections
-            connection = open_ones[turn]
+            if turn == 0:
+                time.sleep(0.5)
+            turn += 1
+            place = turn % connections
+            connection = open_ones[place]
             try:
                 for i in range(50):
                     stream = connection.call(methods[i % len(methods)])
@@ -197,9 +201,9 @@ class HostileHttp2(Attack):
                     if not connection.socket.recv(65536):
                         raise OSError("closed")
             except OSError:
-                open_ones[turn] = self.connect()
+                open_ones[place] = self.connect()
 
-        self.attack_in_vain(once)
+        self.attack_in_vain(once, slow_ms=2000)  # frames wait for the calls that came before the connection was ended
 
     def test_rapid_reset(self):
         self.reset_rapidly([UNARY])
