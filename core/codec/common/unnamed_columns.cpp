@@ -86,8 +86,9 @@ class ChannelEvidence {
 };
 
 /// Whether three columns are alike, as the channels of a color are: none has levels where another one has decimals, the
-/// largest values are of one magnitude, unless they are 0, and they are not as small as classes or returns are.
-bool are_channels(const std::array<ChannelEvidence, 3>& channels) {
+/// largest values are of one magnitude, unless they are 0, and they are not as small as classes, returns or flags are.
+/// The last columns may be full colors, of 0 and 1.
+bool are_channels(const std::array<ChannelEvidence, 3>& channels, bool are_last) {
   constexpr double kFewestLevels = 16, kMostAlike = 30;
   double smallest = std::numeric_limits<double>::infinity(), largest = 0;
   bool has_decimals = false, has_levels = false;
@@ -99,7 +100,7 @@ bool are_channels(const std::array<ChannelEvidence, 3>& channels) {
     largest = std::max(largest, channel.largest());
   }
   if (has_decimals && has_levels) return false;
-  if (has_levels && largest < kFewestLevels) return false;
+  if (!has_decimals && largest < kFewestLevels && (has_levels || !are_last)) return false;
   return largest == 0 || largest <= kMostAlike * smallest;
 }
 
@@ -221,7 +222,7 @@ class ColumnNamer {
                      [&channel = channels[i]](std::size_t, auto value) { channel.take(static_cast<double>(value)); });
       if (channels[i].rises_with_rows(points_)) return false;
     }
-    return are_channels(channels);
+    return are_channels(channels, first + channels.size() == columns_.size());
   }
 
   /// Whether each value of a column is larger than that of the point before it, as times are.

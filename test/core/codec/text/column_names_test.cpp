@@ -174,7 +174,7 @@ TEST(TextTable, ALastColumnOfSmallIntegersBehindColorsIsALabel) {
   EXPECT_EQ(read_table("1 2 3 -3 150 110 70 0\n").label.size(), 1U);
   const LabeledCloud two = read_table("1 2 3 150 110 70 4 0\n");
   EXPECT_THAT(two.warnings[0].message, HasSubstr("x y z red green blue column_7"));
-  EXPECT_THAT(read_table("1 2 3 3 150 110 70\n").warnings[0].message, HasSubstr("x y z intensity red green blue;"));
+  EXPECT_THAT(read_table("1 2 3 30 150 110 70\n").warnings.at(0).message, HasSubstr("x y z intensity red green blue;"));
 }
 
 TEST(TextTable, ALineThatNumbersTheColumnsIsNoPoint) {

@@ -56,9 +56,9 @@ TEST(UnnamedColumns, AnIntensityMayStandOnEitherSideOfAColor) {
       read_table(rows([&](int i) { return fmt::format("{} {}", 0.003 * (199 - i), color(i)); }));
   EXPECT_EQ(behind.cloud.rgb, before.cloud.rgb);
   EXPECT_THAT(behind.warnings.at(0).message, HasSubstr("x y z red green blue column_7"));
-  // Nine columns of lists of LAS points.
+  // Lists of LAS points have returns and flags between intensity and color.
   const LabeledCloud las =
-      read_table(rows([&](int i) { return fmt::format("{} 1 {} {}", i * 7919 % 4096, i % 2, color(i)); }));
+      read_table(rows([&](int i) { return fmt::format("{} 1 1 2 {} {}", i * 7919 % 4096, i % 2, color(i)); }));
   EXPECT_EQ(las.cloud.rgb, before.cloud.rgb) << las.warnings.at(0).message;
 }
 
