@@ -154,7 +154,7 @@ class Recording(RecordingTest):
     def test_a_topic_without_messages_is_bad_input(self):
         other = recordings.point_cloud2(recordings.FIRST, self.scene(1)[1], "camera_optical_frame", 80)
         run = recordings.write(self.path("run.mcap"), [recordings.clouds("/points", []), recordings.clouds("/other", [(0, other)])])
-        error = self.run_badly(BAD_INPUT, "segment", run, "--local", "--topic", "/points")
+        error = self.run_badly(BAD_INPUT, "segment", run, "--local", "--quiet", "--topic", "/points")
         self.assertIn("there is no message in the topic /points", error)
 
     def test_a_recording_is_replayed_with_its_own_timing(self):
