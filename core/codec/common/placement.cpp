@@ -95,7 +95,10 @@ void to_file(const Placement& placement, PromptedSelection& selected) {
 }
 
 FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label) {
-  FileContent content{.cloud = file.cloud, .label = label, .attributes = file.attributes};
+  FileContent content{.cloud = file.cloud,
+                      .label = label,
+                      .attributes = file.attributes,
+                      .has_standard_gps_time = file.has_standard_gps_time};
   content.cloud.view = to_file(file.placement, file.cloud.view);
   // Everything in the file is in its unit.
   content.cloud.view = with_moved_sensors(

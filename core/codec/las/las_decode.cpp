@@ -201,6 +201,7 @@ absl::StatusOr<LabeledCloud> decode_las(std::span<const std::byte> bytes, const 
   ASSIGN_OR_RETURN(LasHeader header, parse_las_header(bytes, limits, check));
   LabeledCloud out;
   out.warnings = std::move(header.warnings);
+  out.has_standard_gps_time = header.has_standard_gps_time;
   warn_of_what_is_not_kept(header, options.keep_everything, out.warnings);
   const LasTable points(bytes, header, options.keep_everything, check);
   RETURN_IF_ERROR(check.status());

@@ -121,7 +121,9 @@ class LasWriter {
     }
     std::string header(kHeaderBytes, '\0');
     std::memcpy(header.data(), "LASF", 4);
-    put_number<std::uint16_t>(header, 6, 0x10);  // what formats from 6 on have: the reference system, if any, is WKT
+    // A reference system, if there were one, would be a text in the formats from 6 on.
+    const unsigned encoding = kLasTextSystem | (content_.has_standard_gps_time ? kLasStandardGpsTime : 0U);
+    put_number(header, 6, static_cast<std::uint16_t>(encoding));
     put_number<std::uint8_t>(header, 24, 1);
     put_number<std::uint8_t>(header, 25, 4);
     std::memcpy(header.data() + 26, "segserve", 8);

@@ -140,7 +140,6 @@ absl::Status read_surplus(std::span<const std::byte> file, std::size_t end, cons
 
 /// Reads the variable length records of both kinds, and what they tell of the reference system.
 void read_all_records(std::span<const std::byte> file, StopCheck& check, LasHeader& header) {
-  constexpr unsigned kIsText = 0x10;
   const HeaderBytes bytes(file);
   const std::size_t header_bytes = bytes.at<std::uint16_t>(kHeaderBytes);
   read_las_records(file.subspan(header_bytes, header.body_offset - header_bytes), LasRecordKind::kShort,
@@ -151,7 +150,7 @@ void read_all_records(std::span<const std::byte> file, StopCheck& check, LasHead
     read_las_records(file.subspan(begin), LasRecordKind::kExtended, bytes.at<std::uint32_t>(kExtendedCount), check,
                      header);
   }
-  const bool is_text = (bytes.at<std::uint16_t>(kEncoding) & kIsText) != 0;
+  const bool is_text = (bytes.at<std::uint16_t>(kEncoding) & kLasTextSystem) != 0;
   header.reference_system = header.reference_records.read(is_text, header.warnings);
 }
 
@@ -169,6 +168,7 @@ absl::StatusOr<LasHeader> parse_las_header(std::span<const std::byte> file, cons
   header.point_format = bytes.at<std::uint8_t>(kFormat);
   header.record_bytes = bytes.at<std::uint16_t>(kRecordBytes);
   header.body_offset = bytes.at<std::uint32_t>(kBodyOffset);
+  header.has_standard_gps_time = (bytes.at<std::uint16_t>(kEncoding) & kLasStandardGpsTime) != 0;
   const std::size_t header_bytes = bytes.at<std::uint16_t>(kHeaderBytes);
   if (header_bytes < kLeastHeader || header_bytes > header.body_offset) {
     return fault("its length is {} bytes, and the points begin at byte {}", header_bytes, header.body_offset);

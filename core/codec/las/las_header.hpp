@@ -25,6 +25,8 @@ namespace segserve::codec {
 inline constexpr std::string_view kLasSpecUser = "LASF_Spec", kLasProjectionUser = "LASF_Projection",
                                   kLasStatementUser = "segserve";
 inline constexpr std::uint16_t kLasExtraBytesRecord = 4, kLasFirstStatement = 1;
+/// The bits of the global encoding: GPS times are standard times, and the reference system is a text.
+inline constexpr std::uint16_t kLasStandardGpsTime = 0x1, kLasTextSystem = 0x10;
 /// Bytes of the header of a variable length record, of that of an extended one, and of the description of an extra
 /// dimension.
 inline constexpr std::size_t kLasRecordHeaderBytes = 54, kLasExtendedRecordHeaderBytes = 60,
@@ -52,6 +54,7 @@ struct LasHeader {
   std::vector<LasExtra> extra;
   FileStatements stated;
   bool is_from_segserve = false;
+  bool has_standard_gps_time = false;  ///< see LabeledCloud
   ReferenceRecords reference_records;
   std::optional<ReferenceSystem> reference_system;
   std::vector<Warning> warnings;

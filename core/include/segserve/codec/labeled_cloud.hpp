@@ -28,7 +28,9 @@ struct LabeledCloud {
   /// The coordinates of the file, if they were asked for and are not those of the cloud bit for bit; else empty.
   FilePosition file_position;
   std::vector<Attribute> attributes;  ///< the other values of the points, if they were asked for
-  std::string format;                 ///< for people: the format of the file, e.g. "PCD"; set by decode_cloud
+  /// The attribute gps_time is GPS time minus 1e9 s, as LAS may say, and no time of the week.
+  bool has_standard_gps_time = false;
+  std::string format;  ///< for people: the format of the file, e.g. "PCD"; set by decode_cloud
 };
 
 /// The content of a file that is to be written: N points with their labels and other values. It owns nothing.
@@ -38,6 +40,7 @@ struct FileContent {
   std::span<const Attribute> attributes = {};  ///< values of N points each
   const FilePosition* position = nullptr;      ///< the coordinates in the file, or null
   LengthUnit unit = LengthUnit::kMeter;        ///< of the coordinates in the file; not kAuto
+  bool has_standard_gps_time = false;          ///< see LabeledCloud
 };
 
 /// A cloud that was read with ReadOptions::keep_everything, with other labels, as it goes into a file again: with the

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "segserve/codec/cloud_file.hpp"
+#include "segserve/codec/file_format.hpp"
 #include "test/core/codec/support/las_file.hpp"
 #include "test/core/codec/support/sample_cloud.hpp"
 
@@ -135,6 +136,21 @@ TEST(Las, FarCoordinatesStayExact) {
   const LabeledCloud cloud = decode(bytes);
   EXPECT_EQ(cloud.cloud.x[1] - cloud.cloud.x[0], 1);
   EXPECT_EQ(cloud.file_position[1], (std::vector<double>{5800000, 5800002}));
+}
+
+TEST(Las, TheKindOfGpsTimeGoesOutAgain) {
+  for (const bool is_standard : {false, true}) {
+    LasFile file = las_file(2, 1, 28, 2);
+    put(file.body, 20, 3.5e8);
+    std::string bytes = file.bytes();
+    put<std::uint16_t>(bytes, 6, is_standard ? 1 : 0);
+    const LabeledCloud cloud = decode(bytes);
+    EXPECT_EQ(cloud.has_standard_gps_time, is_standard);
+    const auto written = encode_file(content_of(cloud, {}), FileFormat::kLas, FileEncoding::kBinary, "");
+    ASSERT_TRUE(written.ok()) << written.status();
+    EXPECT_EQ(static_cast<unsigned char>(written->bytes[6]), is_standard ? 0x11 : 0x10);
+    EXPECT_EQ(decode(written->bytes).has_standard_gps_time, is_standard);
+  }
 }
 
 TEST(Las, NoPointsAreNoFault) { EXPECT_EQ(decode(las_file(2, 1, 28, 0).bytes()).cloud.size(), 0U); }
