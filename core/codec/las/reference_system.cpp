@@ -49,7 +49,7 @@ std::optional<std::vector<GeoKey>> geo_keys(std::span<const std::byte> directory
 
 /// Reads a directory of GeoKeys, and the numbers that it refers to.
 std::optional<ReferenceSystem> read_geo_keys(std::span<const std::byte> directory, std::span<const std::byte> doubles) {
-  constexpr unsigned kModel = 1024, kUnit = 3076, kUnitSize = 3077, kGeographic = 2, kUndefined = 0;
+  constexpr unsigned kModel = 1024, kUnit = 3076, kUnitSize = 3077, kHeightUnit = 4099, kGeographic = 2, kUndefined = 0;
   const auto keys = geo_keys(directory);
   if (!keys) return std::nullopt;
   ReferenceSystem system;
@@ -59,6 +59,8 @@ std::optional<ReferenceSystem> read_geo_keys(std::span<const std::byte> director
       system.kind = key.value == kGeographic ? CoordinateKind::kDegrees : CoordinateKind::kLengths;
     } else if (key.id == kUnit && is_number && key.value != kUndefined) {
       system.meters_per_unit = meters_of_code(key.value);
+    } else if (key.id == kHeightUnit && is_number && key.value != kUndefined) {
+      system.meters_per_height_unit = meters_of_code(key.value);
     } else if (key.id == kUnitSize && key.record == kDoublesRecord) {
       if (doubles.size() / sizeof(double) <= key.value) return std::nullopt;
       system.meters_per_unit = load<double>(doubles.data() + key.value * sizeof(double));
@@ -68,19 +70,43 @@ std::optional<ReferenceSystem> read_geo_keys(std::span<const std::byte> director
   return system;
 }
 
+/// Whether two units are the same up to the last digits with which programs write them.
+bool is_near(double meters, double expected) {
+  constexpr double kTolerance = 1e-7;
+  return std::abs(meters / expected - 1) < kTolerance;
+}
+
+/// Words for a unit of so many meters.
+std::string words_for(double meters) {
+  for (const LengthUnit unit : length_units()) {
+    if (is_near(meters, meters_per_unit(unit))) return std::string(name(unit));
+  }
+  if (is_near(meters, kSurveyFoot)) return "US survey feet";
+  return meters > 0 ? fmt::format("a unit of {} m", meters) : "a unit that is not known";
+}
+
 /// The unit of so many meters, up to the last digits with which programs write it.
 ToldUnit told_unit(double meters) {
-  constexpr double kTolerance = 1e-7;
-  const auto is_near = [meters](double expected) { return std::abs(meters / expected - 1) < kTolerance; };
   for (const LengthUnit unit : length_units()) {
-    if (is_near(meters_per_unit(unit))) return {unit, "as the coordinate reference system says"};
+    if (is_near(meters, meters_per_unit(unit))) return {unit, "as the coordinate reference system says"};
   }
-  if (is_near(kSurveyFoot)) {
+  if (is_near(meters, kSurveyFoot)) {
     return {LengthUnit::kFoot,
             "though the coordinate reference system says US survey feet, which are longer by 2 parts in a million"};
   }
-  const std::string which = meters > 0 ? fmt::format("a unit of {} m", meters) : "a unit that is not known";
-  return {LengthUnit::kMeter, fmt::format("though the coordinate reference system has {}", which), true};
+  return {LengthUnit::kMeter, fmt::format("though the coordinate reference system has {}", words_for(meters)), true};
+}
+
+/// Warns of heights in another unit than that in which x and y are taken. International and US survey feet are alike.
+void warn_of_heights(const ReferenceSystem& system, std::vector<Warning>& warnings) {
+  constexpr double kTolerance = 1e-5;
+  if (!system.meters_per_height_unit) return;
+  const double height = *system.meters_per_height_unit, horizontal = system.meters_per_unit.value_or(1);
+  if (height == horizontal || std::abs(height / horizontal - 1) < kTolerance) return;
+  warnings.push_back({WarningReason::kUnitGuessed,
+                      fmt::format("the heights are taken as {}, as x and y are, though the coordinate reference system "
+                                  "has {} for them; save all three in one unit",
+                                  name(told_unit(horizontal).unit), words_for(height))});
 }
 
 /// The largest magnitude of x and y; nullopt if there are no points.
@@ -142,6 +168,7 @@ std::optional<ReferenceSystem> ReferenceRecords::read(bool has_text, std::vector
 absl::Status use_reference_system(const ReferenceSystem& system, StopCheck& check, PointTable& table,
                                   std::vector<Warning>& warnings) {
   if (system.kind == CoordinateKind::kDegrees) return refuse_degrees(table, check, warnings);
+  warn_of_heights(system, warnings);
   if (system.kind == CoordinateKind::kLengths && system.meters_per_unit) {
     table.reference_unit = told_unit(*system.meters_per_unit);
   }

@@ -23,6 +23,7 @@ struct ReferenceSystem {
   enum class CoordinateKind : std::uint8_t { kUnknown, kLengths, kDegrees };
   CoordinateKind kind = CoordinateKind::kUnknown;
   std::optional<double> meters_per_unit;  ///< of horizontal lengths; not above 0 if the file names a unit in vain
+  std::optional<double> meters_per_height_unit;  ///< the same of heights, if they have a unit of their own
 };
 
 /// The records about the reference system, as they are in the file, which must outlive them.
@@ -40,7 +41,8 @@ class ReferenceRecords {
   std::optional<std::span<const std::byte>> directory_, doubles_, text_;
 };
 
-/// Applies the system to points whose first three fields are x, y and z: sets the table's reference_unit. Latitudes and
+/// Applies the system to points whose first three fields are x, y and z: sets the table's reference_unit. Heights are
+/// taken in the unit of x and y, with a warning if they have another one. Latitudes and
 /// longitudes are INVALID_ARGUMENT, unless the coordinates reach farther than degrees do, which is told in a warning.
 absl::Status use_reference_system(const ReferenceSystem& system, StopCheck& check, PointTable& table,
                                   std::vector<Warning>& warnings);

@@ -35,6 +35,9 @@ constexpr std::array<SystemKeyword, 12> kSystems{{
     {"geodeticcrs", CoordinateKind::kDegrees},
 }};
 
+/// Keywords of systems that have nothing but heights, in small letters.
+constexpr std::array<std::string_view, 4> kHeightSystems{"vert_cs", "vertcs", "vertcrs", "verticalcrs"};
+
 /// The factor in `"US survey foot",0.304800609601219,ID[..]`; nullopt if there is none.
 std::optional<double> unit_factor(std::string_view body) {
   const std::size_t end_of_name = body.find('"', body.find('"') + 1);
@@ -87,33 +90,56 @@ class Scanner {
     std::string keyword;   ///< in small letters
     std::size_t body = 0;  ///< where the text behind the bracket begins
   };
+  struct System {
+    std::size_t depth = 0;  ///< how many elements were open when it had begun; 0 before it
+    bool is_done = false;   ///< it has ended
+
+    bool is_open() const { return depth > 0 && !is_done; }
+  };
   static constexpr std::size_t kMostDepth = 32;
 
   void begin(std::size_t bracket) {
     const std::size_t body_of_parent = open_.empty() ? 0 : open_.back().body;
     open_.push_back({last_word(text_.substr(body_of_parent, bracket - body_of_parent)), bracket + 1});
-    const auto* const system = std::ranges::find(kSystems, open_.back().keyword, &SystemKeyword::word);
-    if (depth_ > 0 || system == kSystems.end()) return;
-    depth_ = open_.size();
+    const std::string& keyword = open_.back().keyword;
+    if (horizontal_.is_open() && keyword == "axis" && open_.size() == horizontal_.depth + 1) ++axes_;
+    if (height_.depth == 0 && std::ranges::find(kHeightSystems, keyword) != kHeightSystems.end()) {
+      height_.depth = open_.size();
+    }
+    const auto* const system = std::ranges::find(kSystems, keyword, &SystemKeyword::word);
+    if (horizontal_.depth > 0 || system == kSystems.end()) return;
+    horizontal_.depth = open_.size();
     found_.kind = system->kind;
   }
 
   void end(std::size_t bracket) {
     const Element element = open_.back();
     open_.pop_back();
-    const bool is_of_system = !is_done_ && depth_ > 0 && is_inside_system();
-    if (is_of_system) take(element.keyword, text_.substr(element.body, bracket - element.body));
-    is_done_ = is_done_ || open_.size() + 1 == depth_;
+    const std::string_view body = text_.substr(element.body, bracket - element.body);
+    if (is_inside(horizontal_)) take(element.keyword, body);
+    if (is_inside(height_) && is_unit(element.keyword)) take_unit(body, found_.meters_per_height_unit);
+    for (System* const system : {&horizontal_, &height_}) {
+      system->is_done = system->is_done || open_.size() + 1 == system->depth;
+    }
   }
 
   /// Whether what ends lies in the system itself, or in one of its axes.
-  bool is_inside_system() const {
-    return open_.size() == depth_ || (open_.size() == depth_ + 1 && open_.back().keyword == "axis");
+  bool is_inside(const System& system) const {
+    return system.is_open() &&
+           (open_.size() == system.depth || (open_.size() == system.depth + 1 && open_.back().keyword == "axis"));
+  }
+
+  static bool is_unit(std::string_view keyword) { return keyword == "unit" || keyword == "lengthunit"; }
+
+  static void take_unit(std::string_view body, std::optional<double>& meters) {
+    if (const auto factor = unit_factor(body)) meters = factor;
   }
 
   void take(const std::string& keyword, std::string_view body) {
-    if (keyword == "unit" || keyword == "lengthunit") {
-      if (const auto factor = unit_factor(body)) found_.meters_per_unit = factor;
+    constexpr std::size_t kHeightAxis = 3;
+    if (is_unit(keyword)) {
+      const bool is_of_height = open_.size() > horizontal_.depth && axes_ == kHeightAxis;
+      take_unit(body, is_of_height ? found_.meters_per_height_unit : found_.meters_per_unit);
     } else if (keyword == "cs" && lower_case(body).starts_with("cartesian")) {
       found_.kind = CoordinateKind::kLengths;  // geocentric coordinates of a geodetic system
     }
@@ -121,8 +147,8 @@ class Scanner {
 
   std::string_view text_;
   std::vector<Element> open_;
-  std::size_t depth_ = 0;  // how many elements were open when the horizontal system had begun; 0 before it
-  bool is_done_ = false;   // the system has ended
+  System horizontal_, height_;
+  std::size_t axes_ = 0;  // of the horizontal system, up to here
   ReferenceSystem found_;
 };
 

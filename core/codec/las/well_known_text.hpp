@@ -10,8 +10,9 @@
 namespace segserve::codec {
 
 /// Reads the first horizontal system of a text, which may be part of a compound one. Its unit is that of the system or
-/// of its axes, the last one if there are several. A text without such a system tells nothing. nullopt if brackets or
-/// quotation marks do not match, or nest deeper than any system does.
+/// of its axes, the last one if there are several. Heights have that of a vertical system, or of the third axis. A text
+/// without such a system tells nothing. nullopt if brackets or quotation marks do not match, or nest deeper than any
+/// system does.
 std::optional<ReferenceSystem> parse_well_known_text(std::string_view text);
 
 }  // namespace segserve::codec

@@ -93,7 +93,8 @@ TEST(ReferenceSystem, ItsUnitIsThatOfTheCoordinates) {
       {kDirectory, projected(9003), survey},
       {kText, projected_text("\"Foot\",0.3048"), as_it_says},
       {kText, projected_text("\"US survey foot\", 0.3048006096012192"), survey},
-      {kText, text_of_two("\"Foot_US\",0.30480061", "\"metre\",1"), survey},
+      {kText, text_of_two("\"Foot_US\",0.30480061", "\"foot\",0.3048"), survey},
+      {kDirectory, directory({{1024, 0, 1, 1}, {3076, 0, 1, 9003}, {4099, 0, 1, 9002}}), survey},
       {kText, std::string(kNew) + '\0', as_it_says}};
   for (const auto& [id, payload, said] : cases) {
     SCOPED_TRACE(payload);
@@ -114,14 +115,38 @@ TEST(ReferenceSystem, MetersAreNotMentioned) {
       {kDirectory, projected(9001)},
       {kDirectory, directory({{1024, 0, 1, 1}, {3072, 0, 1, 26915}})},
       {kDirectory, projected(0)},
-      {kText, text_of_two("\"metre\",1", "\"foot\",0.3048")},
+      {kText, text_of_two("\"metre\",1", "\"meter\",1.0")},
+      {kDirectory, directory({{1024, 0, 1, 1}, {3072, 0, 1, 26915}, {4099, 0, 1, 9001}})},
       {kText, "GEODCRS[\"WGS 84\",CS[Cartesian,3],AXIS[\"(X)\",geocentricX],LENGTHUNIT[\"metre\",1]]"},
-      {kText, "VERT_CS[\"x\",UNIT[\"foot\",0.3048]]"},
+      {kText, "VERT_CS[\"x\",UNIT[\"metre\",1]]"},
       {kText, ""}};
   for (const auto& [id, payload] : cases) {
     const LabeledCloud cloud = read_las(with_record(id, payload));
     EXPECT_EQ(cloud.placement.meters_per_unit(), 1) << payload;
     EXPECT_THAT(messages(cloud), IsEmpty()) << payload;
+  }
+}
+
+TEST(ReferenceSystem, HeightsInAnotherUnitAreMentioned) {
+  const std::string axes_of_three =
+      "PROJCRS[\"x\",CS[Cartesian,3],AXIS[\"E\",east,LENGTHUNIT[\"metre\",1]],AXIS[\"N\",north,LENGTHUNIT[\"metre\",1]]"
+      ","
+      "AXIS[\"h\",up,LENGTHUNIT[\"foot\",0.3048]]]";
+  const std::vector<std::tuple<std::uint16_t, std::string, double, std::string>> cases{
+      {kText, text_of_two("\"metre\",1", "\"foot\",0.3048"), 1, "taken as m, as x and y are, though"},
+      {kText, text_of_two("\"metre\",1", "\"Foot_US\",0.304800609601219"), 1, "has US survey feet for them"},
+      {kText, text_of_two("\"foot\",0.3048", "\"metre\",1"), 0.3048, "taken as ft, as x and y are, though"},
+      {kText, "VERT_CS[\"x\",UNIT[\"foot\",0.3048]]", 1, "has ft for them"},
+      {kText, axes_of_three, 1, "has ft for them; save all three in one unit"},
+      {kDirectory, directory({{1024, 0, 1, 1}, {3072, 0, 1, 26910}, {4099, 0, 1, 9003}}), 1, "US survey feet"},
+      {kDirectory, directory({{1024, 0, 1, 1}, {3076, 0, 1, 9002}, {4099, 0, 1, 9001}}), 0.3048, "has m for them"}};
+  for (const auto& [id, payload, meters, said] : cases) {
+    SCOPED_TRACE(payload);
+    const LabeledCloud cloud = read_las(with_record(id, payload));
+    EXPECT_EQ(cloud.placement.meters_per_unit(), meters);
+    EXPECT_THAT(messages(cloud), testing::Contains(testing::AllOf(HasSubstr("the heights are"), HasSubstr(said))));
+    EXPECT_EQ(cloud.warnings.at(0).reason, WarningReason::kUnitGuessed);
+    EXPECT_THAT(messages(read_las(with_record(id, payload), {.unit = LengthUnit::kMeter})), IsEmpty());
   }
 }
 
