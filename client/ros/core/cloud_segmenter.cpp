@@ -68,9 +68,8 @@ CloudSegmenter::~CloudSegmenter() { stream_.reset(); }
 absl::Status CloudSegmenter::add(IncomingCloud cloud) {
   RETURN_IF_ERROR(codec::check_layout(cloud.layout, {}));
   if (cloud.data.size() != cloud.layout.bytes()) {
-    return absl::InvalidArgumentError(fmt::format("the cloud has {} bytes, but height {} times row_step {} are {}",
-                                                  cloud.data.size(), cloud.layout.height, cloud.layout.row_step,
-                                                  cloud.layout.bytes()));
+    return absl::InvalidArgumentError(fmt::format("the cloud has {} bytes, but its {} rows have {}", cloud.data.size(),
+                                                  cloud.layout.height, cloud.layout.bytes()));
   }
   if (cloud.layout.width == 0 || cloud.layout.height == 0) return publish(cloud, {}, {});
   ASSIGN_OR_RETURN(codec::LabeledCloud content, decode(cloud, options_.view));

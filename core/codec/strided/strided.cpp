@@ -56,14 +56,17 @@ std::vector<Field> table_fields(const StridedLayout& layout) {
   return fields;
 }
 
+/// Bytes of a row, for messages.
+std::uint64_t row_bytes(const StridedLayout& layout) { return layout.height == 1 ? layout.bytes() : layout.row_step; }
+
 absl::Status check_sizes(const StridedLayout& layout, const DecodeLimits& limits) {
   RETURN_IF_ERROR(check_points("", std::uint64_t{layout.width} * layout.height, limits));
   if (layout.bytes() > limits.max_bytes) {
-    return over_limit(fmt::format("{} rows of {} bytes exceed the limit of {} bytes", layout.height, layout.row_step,
+    return over_limit(fmt::format("{} rows of {} bytes exceed the limit of {} bytes", layout.height, row_bytes(layout),
                                   limits.max_bytes),
                       {"max_bytes", layout.bytes(), limits.max_bytes});
   }
-  if (layout.row_step < std::uint64_t{layout.width} * layout.point_step) {
+  if (layout.height != 1 && layout.row_step < std::uint64_t{layout.width} * layout.point_step) {
     return absl::InvalidArgumentError(fmt::format("row_step {} is less than {} points of point_step {}",
                                                   layout.row_step, layout.width, layout.point_step));
   }
@@ -99,15 +102,16 @@ absl::StatusOr<LabeledCloud> decode_strided(const StridedLayout& layout, std::st
   RETURN_IF_ERROR(check_layout(layout, limits));
   if (data.size() != layout.bytes()) {
     return absl::InvalidArgumentError(fmt::format("the data have {} bytes, but {} rows of {} bytes are {}", data.size(),
-                                                  layout.height, layout.row_step, layout.bytes()));
+                                                  layout.height, row_bytes(layout), layout.bytes()));
   }
   LabeledCloud out;
   PointTable table{table_fields(layout), {}, layout.width, layout.height, nullptr};
   ASSIGN_OR_RETURN(table.roles, find_field_roles(table.fields, out.warnings));
   std::string rows;
   // There may be 2^32 rows without a point.
-  const bool has_gaps = layout.row_step != std::uint64_t{layout.width} * layout.point_step && table.points() > 0;
-  if (has_gaps && layout.height > 1) {
+  const bool has_gaps =
+      layout.height > 1 && layout.row_step != std::uint64_t{layout.width} * layout.point_step && table.points() > 0;
+  if (has_gaps) {
     rows = without_gaps(layout, data);
     data = rows;
   }

@@ -87,6 +87,14 @@ class Messages(unittest.TestCase):
             self.assertEqual((strided.point_step, strided.row_step, payload.shape, payload.points), (22, 70, (2, 3), 6))
             self.assertEqual(bytes(payload.blocks[0]), bytes(message.data))
 
+    def test_a_single_row_needs_no_step(self):
+        for kind, field_kind in self.kinds():
+            message = cloud_message(kind, field_kind, padding=0)
+            message.height, message.width, message.row_step = 1, 6, 0
+            np.testing.assert_array_equal(ros.cloud_of(message).xyz, XYZ.reshape(-1, 3))
+            payload = Encoding(view="camera").payload(message)
+            self.assertEqual((payload.header.strided.row_step, bytes(payload.blocks[0])), (132, bytes(message.data)))
+
     def test_or_in_another_codec(self):
         for kind, field_kind in self.kinds():
             for order in "<>":

@@ -206,7 +206,7 @@ TEST_F(CloudSegmenterTest, BrokenCloudsAreRefused) {
   const auto segmenter = start();
   IncomingCloud cloud = incoming(server::wall_with_box(), 1);
   cloud.data.remove_suffix(1);
-  EXPECT_THAT(std::string(segmenter->add(cloud).message()), HasSubstr("height 120 times row_step"));
+  EXPECT_THAT(std::string(segmenter->add(cloud).message()), HasSubstr("but its 120 rows have"));
   cloud = incoming(server::wall_with_box(), 1);
   cloud.layout.fields[2].name = "depth";
   EXPECT_EQ(segmenter->add(cloud).code(), absl::StatusCode::kInvalidArgument);

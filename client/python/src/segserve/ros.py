@@ -70,15 +70,21 @@ def _dtype(message: Any) -> np.dtype[Any]:
     return np.dtype(spec)
 
 
+def _row_step(message: Any) -> int:
+    """The bytes of a row. No row follows a single one, whose row_step may be 0."""
+    least = message.width * message.point_step
+    return max(int(message.row_step), least) if message.height == 1 else int(message.row_step)
+
+
 def _rows(message: Any) -> npt.NDArray[np.uint8]:
     """The points of a PointCloud2, (H, W, point_step). ValueError if there are too few bytes."""
     data = np.frombuffer(bytes(message.data), np.uint8)
     height, width, step = message.height, message.width, message.point_step
-    if message.row_step < width * step or len(data) < height * message.row_step:
+    row_step = _row_step(message)
+    if row_step < width * step or len(data) < height * row_step:
         raise ValueError(f"PointCloud2: {len(data)} bytes with row_step {message.row_step} are too few for "
                          f"{height} x {width} points of {step} bytes")
-    return data[:height * message.row_step].reshape(height,
-                                                    message.row_step)[:, :width * step].reshape(height, width, step)
+    return data[:height * row_step].reshape(height, row_step)[:, :width * step].reshape(height, width, step)
 
 
 def structured_array(message: Any) -> npt.NDArray[np.void]:
@@ -102,9 +108,9 @@ def encode_point_cloud2(message: Any, view: View | None, codec: str | None, erro
     strided = header.strided
     for entry in message.fields:
         strided.fields.add(name=entry.name, offset=entry.offset, datatype=entry.datatype, count=entry.count)
-    strided.point_step, strided.row_step = message.point_step, message.row_step
+    strided.point_step, strided.row_step = message.point_step, _row_step(message)
     strided.is_bigendian = bool(message.is_bigendian)
-    data = bytes(message.data)[:message.height * message.row_step]
+    data = bytes(message.data)[:message.height * _row_step(message)]
     points = message.width * message.height
     shape = (points,) if message.height == 1 else (message.height, message.width)
     return Payload(header, (announce(strided.data, data),), shape, points, points * 15)

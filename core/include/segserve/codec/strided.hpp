@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -45,11 +46,15 @@ struct StridedLayout {
   std::uint32_t height = 0;
   std::vector<PointField> fields;
   std::uint32_t point_step = 0;  ///< bytes from one point to the next
-  std::uint32_t row_step = 0;    ///< bytes from one row to the next, at least width * point_step
+  std::uint32_t row_step = 0;    ///< bytes from one row to the next, at least width * point_step if there are several
   bool is_bigendian = false;     ///< byte order of all fields
 
-  /// Bytes of all rows. The product of two 32-bit numbers cannot overflow.
-  std::uint64_t bytes() const { return std::uint64_t{height} * row_step; }
+  /// Bytes of all rows. The product of two 32-bit numbers cannot overflow. No row follows a single one, whose row_step
+  /// may then be 0.
+  std::uint64_t bytes() const {
+    return height == 1 ? std::max<std::uint64_t>(row_step, std::uint64_t{width} * point_step)
+                       : std::uint64_t{height} * row_step;
+  }
 };
 
 /// A layout and the layout.bytes() bytes of the cloud.

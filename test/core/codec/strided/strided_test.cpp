@@ -113,6 +113,21 @@ TEST(Strided, RowsWithoutPointsTakeNoTime) {
   EXPECT_EQ(read->cloud.height, 0xffffffffU);
 }
 
+TEST(Strided, ASingleRowNeedsNoStep) {
+  const Sample sample = make_sample(1, 5, 1, true, false);
+  StridedCloud strided = encode_strided(sample.cloud);
+  for (const std::uint32_t step : {0U, 16U, 79U}) {
+    strided.layout.row_step = step;
+    const auto read = decode_strided(strided.layout, strided.data, {.view = View::camera()}, {});
+    ASSERT_TRUE(read.ok()) << read.status();
+    expect_same_points(read->cloud, sample.cloud);
+    const std::string_view cut = std::string_view(strided.data).substr(1);
+    expect_fault(decode_strided(strided.layout, cut, {}, {}).status(),
+                 "the data have 79 bytes, but 1 rows of 80 bytes are 80");
+    expect_over_limit(check_layout(strided.layout, {.max_bytes = 79}), "max_bytes", "1 rows of 80 bytes exceed");
+  }
+}
+
 struct Fault {
   StridedLayout layout;
   std::string words;
