@@ -13,6 +13,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/obj/obj.hpp"
+#include "core/codec/obj/obj_comments.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -50,11 +51,14 @@ class Vertices {
       if (check.after(1)) return check.status();
       std::string_view rest = line->text;
       const std::string_view keyword = take_word(rest);
-      if (keyword.empty() || keyword.starts_with('#') || is_continued_) {
+      if (keyword.empty() || is_continued_) {
+      } else if (keyword.starts_with('#')) {
+        RETURN_IF_ERROR(comments_.take(line->text, limits, check));
       } else if (keyword == "v") {
         RETURN_IF_ERROR(add_vertex(line->number, rest));
         RETURN_IF_ERROR(check_points(kPrefix, size(), limits));
-        RETURN_IF_ERROR(check_decoded_points(kPrefix, size(), kNumbers * sizeof(double), limits));
+        const std::size_t numbers = kNumbers + (last_.empty() ? 0 : 1);
+        RETURN_IF_ERROR(check_decoded_points(kPrefix, size(), numbers * sizeof(double), limits));
       } else if (keyword == "vn") {
         if (keep_everything_) add_normal(rest);
       } else if (keyword == "f" || keyword == "fo" || keyword == "l") {
@@ -67,8 +71,12 @@ class Vertices {
       }
       is_continued_ = line->text.ends_with('\\');
     }
-    return absl::OkStatus();
+    move_colors_behind_weights(check);
+    take_paint(check);
+    return check.status();
   }
+
+  const std::optional<ToldUnit>& unit() const { return comments_.unit(); }
 
   std::size_t size() const { return values_.size() / kNumbers; }
   bool has_color() const { return size() > 0 && colored_ == size(); }
@@ -98,7 +106,14 @@ class Vertices {
                           fmt::format("{} lines are of no kind that OBJ has, and not used; the first is {}", strange_,
                                       first_strange_)});
     }
-    if (colored_ == 0 && has_materials_) {
+    if (colored_ == 0 && comments_.has_paint()) {
+      const std::string_view why = comments_.paint().empty() ? "some of them are no colors" : "they do not fit";
+      warnings.push_back(
+          {WarningReason::kColorNotUsed,
+           fmt::format("the cloud of {} vertices has no color: the colors that ZBrush painted (#MRGB) are not used, "
+                       "because {}",
+                       size(), why)});
+    } else if (colored_ == 0 && has_materials_) {
       warnings.push_back(
           {WarningReason::kColorNotUsed,
            fmt::format("the cloud of {} vertices has no color: it is in materials or textures, which are "
@@ -114,19 +129,46 @@ class Vertices {
  private:
   absl::Status add_vertex(std::size_t line, std::string_view words) {
     std::array<double, kNumbers> numbers{};
+    double last = 0;  // the alpha behind a color, or the blue of a color behind a weight
     std::size_t count = 0;
     for (std::string_view word = take_word(words); !word.empty(); word = take_word(words), ++count) {
       if (count == kMostNumbers) return fault("line {}: a vertex has at most {} numbers", line, kMostNumbers);
-      double unused = 0;  // the alpha behind a color
-      if (!parse_double(word, count < kNumbers ? numbers[count] : unused)) {
+      if (!parse_double(word, count < kNumbers ? numbers[count] : last)) {
         return fault("line {}: {} is not a number of a vertex", line, quoted(word));
       }
     }
     if (count < 3 || count == 5) return fault("line {}: a vertex has 3, 4, 6 or 7 numbers, not {}", line, count);
     if (count == 4) numbers[3] = 0;  // the weight of a curve's point
     if (count >= kNumbers) ++colored_;
+    if (count == kMostNumbers) last_.push_back(last);
     values_.insert(values_.end(), numbers.begin(), numbers.end());
     return absl::OkStatus();
+  }
+
+  /// Seven numbers are x y z w r g b, if the fourth is 1 throughout and the last, which would be an alpha, varies.
+  void move_colors_behind_weights(StopCheck& check) {
+    if (last_.empty() || last_.size() != size()) return;
+    bool are_weights = true, varies = false;
+    check.for_each(0, size(), [&](std::size_t i) {
+      are_weights = are_weights && values_[i * kNumbers + 3] == 1;
+      varies = varies || last_[i] != last_[0];
+    });
+    if (!are_weights || !varies) return;
+    check.for_each(0, size(), [&](std::size_t i) {
+      double* const color = values_.data() + i * kNumbers + 3;
+      color[0] = color[1], color[1] = color[2], color[2] = last_[i];
+    });
+  }
+
+  void take_paint(StopCheck& check) {
+    constexpr double kFull = 255;
+    const std::vector<std::uint32_t>& paint = comments_.paint();
+    if (colored_ > 0 || paint.empty() || paint.size() != size()) return;
+    check.for_each(0, size(), [&](std::size_t i) {
+      double* const color = values_.data() + i * kNumbers + 3;
+      color[0] = red(paint[i]) / kFull, color[1] = green(paint[i]) / kFull, color[2] = blue(paint[i]) / kFull;
+    });
+    colored_ = size();
   }
 
   /// Normals are not needed, so that one that is damaged is none.
@@ -137,7 +179,8 @@ class Vertices {
   }
 
   bool keep_everything_;
-  std::vector<double> values_, normals_;
+  std::vector<double> values_, normals_, last_;  // the last of seven numbers
+  ObjComments comments_;
   std::size_t colored_ = 0, strange_ = 0, connections_ = 0;
   std::string first_strange_;
   bool has_materials_ = false;
@@ -178,6 +221,7 @@ absl::StatusOr<LabeledCloud> decode_obj(std::span<const std::byte> bytes, const 
     for (const std::string_view name : {"red", "green", "blue"}) table.fields.push_back({name, ScalarType::kFloat64});
     table.roles.channels = {3, 4, 5};
   }
+  table.reference_unit = vertices.unit();
   table.width = static_cast<std::uint32_t>(vertices.size());
   table.height = 1;
   const std::size_t normals = table.fields.size();

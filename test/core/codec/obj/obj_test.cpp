@@ -2,7 +2,10 @@
 #include "core/codec/obj/obj.hpp"
 
 #include <array>
+#include <atomic>
 #include <cstring>
+#include <tuple>
+#include <utility>
 
 #include "segserve/codec/cloud_file.hpp"
 #include "test/core/codec/support/damaged_bytes.hpp"
@@ -67,6 +70,71 @@ TEST(Obj, AnAlphaBehindTheColorIsLeftOut) {
   EXPECT_THAT(cloud->cloud.z, ElementsAre(3, 6));
   EXPECT_THAT(cloud->cloud.rgb, ElementsAre(pack_rgb(255, 128, 0), pack_rgb(0, 0, 255)));
   EXPECT_TRUE(cloud->warnings.empty());
+}
+
+TEST(Obj, AWeightInFrontOfTheColorIsNoColor) {
+  const auto colors = [](std::string_view file) { return decode_cloud(bytes_of(file), {})->cloud.rgb; };
+  EXPECT_THAT(colors("v 1 2 3 1 0.5 0 1\nv 4 5 6 1.0 0 1 0.2\n"), ElementsAre(0x8000FFU, 0x00FF33U));
+  EXPECT_THAT(colors("v 1 2 3 1 0.5 0 1\nv 4 5 6 0.9 0 1 0.2\n"), ElementsAre(0xFF8000U, 0xE600FFU)) << "no weight";
+  EXPECT_THAT(colors("v 1 2 3 1 0.5 0 1\nv 4 5 6 1 0 1 1\n"), ElementsAre(0xFF8000U, 0xFF00FFU)) << "an alpha";
+  EXPECT_THAT(colors("v 1 2 3 1 0.5 0 1\nv 4 5 6 1 0 1\n"), ElementsAre(0xFF8000U, 0xFF00FFU));
+}
+
+TEST(Obj, TheUnitInACommentIsTaken) {
+  const std::vector<std::tuple<std::string, double, std::string>> cases{
+      {"# File units = inches", 0.0254, "the coordinates are taken as in, as the file says"},
+      {"# File units = millimeters", 0.001, "are taken as mm, as the file says"},
+      {"# File units = feet", 0.3048, "are taken as ft"},
+      {"#Units: cm ", 0.01, "are taken as cm"},
+      {"# File units = meters", 1, ""},
+      {"# File units = yards", 1, "are taken as m, because the unit 'yards' is not known"},
+      {"# units are great", 1, ""},
+      {"# Scale: 1", 1, ""}};
+  for (const auto& [comment, meters, said] : cases) {
+    const std::string file = comment + "\r\nv 1 2 3\r\nv 4 5 6\r\n";
+    const auto cloud = decode_cloud(bytes_of(file), {});
+    ASSERT_TRUE(cloud.ok()) << cloud.status();
+    EXPECT_DOUBLE_EQ(cloud->placement.meters_per_unit(), meters) << comment;
+    ASSERT_EQ(cloud->warnings.size(), said.empty() ? 0U : 1U) << comment;
+    if (said.empty()) continue;
+    EXPECT_EQ(cloud->warnings[0].reason, WarningReason::kUnitGuessed);
+    EXPECT_THAT(cloud->warnings[0].message, HasSubstr(said));
+    const auto given = decode_cloud(bytes_of(file), {}, {.unit = LengthUnit::kMeter});
+    EXPECT_EQ(given->placement.meters_per_unit(), 1);
+    EXPECT_TRUE(given->warnings.empty());
+  }
+}
+
+TEST(Obj, PaintOfZBrushIsTheColor) {
+  const std::string vertices = "v 1 2 3\nv 4 5 6\nv 7 8 9\n";
+  for (const std::string_view paint :
+       {"#MRGB ff966e46ff2a00ffff010100\n", "#MRGB ff966e46\r\n#MRGB 002A00FFff010100"}) {
+    const auto cloud = decode_cloud(bytes_of(vertices + std::string(paint)), {});
+    ASSERT_TRUE(cloud.ok()) << cloud.status();
+    EXPECT_THAT(cloud->cloud.rgb, ElementsAre(0x966E46U, 0x2A00FFU, 0x010100U)) << paint;
+    EXPECT_TRUE(cloud->warnings.empty());
+  }
+  const std::vector<std::pair<std::string, std::string>> damaged{
+      {"#MRGB ff966e46ff2a00ff\n", "because they do not fit"},
+      {"#MRGB ff966e46ff2a00ffff0101001\n", "because some of them are no colors"},
+      {"#MRGB ff966e46ff2a00ffff01010x\n", "because some of them are no colors"}};
+  for (const auto& [paint, why] : damaged) {
+    const auto cloud = decode_cloud(bytes_of(vertices + paint), {});
+    ASSERT_TRUE(cloud.ok()) << cloud.status();
+    EXPECT_FALSE(cloud->cloud.has_color());
+    ASSERT_EQ(cloud->warnings.size(), 1U) << paint;
+    EXPECT_EQ(cloud->warnings[0].reason, WarningReason::kColorNotUsed);
+    EXPECT_THAT(cloud->warnings[0].message, HasSubstr(why));
+  }
+  std::string long_paint = "v 1 2 3\n#MRGB ";
+  for (int i = 0; i < 1000; ++i) long_paint += "ff000000";
+  expect_over_limit(decode_cloud(bytes_of(long_paint), {.max_points = 999}).status(), "max_points", "1000 points");
+  const std::atomic<bool> cancelled = true;
+  WorkMeter meter;
+  const StopToken stop(&cancelled, std::nullopt, &meter);
+  for (int i = 0; i < 100'000; ++i) long_paint += "ff000000";
+  EXPECT_EQ(decode_obj(bytes_of(long_paint), {}, {}, stop).status().code(), absl::StatusCode::kCancelled);
+  EXPECT_LE(meter.units(), StopToken::kMostWorkAfterStop);
 }
 
 TEST(Obj, WhatIsNotUsedIsMentioned) {
