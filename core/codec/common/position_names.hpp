@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -22,8 +23,21 @@ struct PositionNames {
 /// behind them. x, y and z come first.
 std::optional<PositionNames> find_position_names(const std::vector<std::string_view>& names);
 
-/// The unit of length that a text such as mm, [mm], (meters) or inch names; nullopt for other texts.
+/// The unit of length that a text such as mm, [mm], (meters) or US ft names; nullopt for other texts. US survey feet
+/// are taken as feet.
 std::optional<LengthUnit> unit_in_words(std::string_view text);
+
+/// The text without a pair of brackets around it.
+std::string_view without_brackets(std::string_view text);
+
+/// What three texts say of the unit of x, y and z.
+struct TextUnit {
+  std::optional<LengthUnit> unit = std::nullopt;  ///< nullopt if they say nothing, or if there is a doubt
+  std::string doubt = {};  ///< what follows "the coordinates are taken as m, " if a unit is not known, or they differ
+};
+
+/// The unit that three texts have in common. Each may be empty, or have brackets around it.
+TextUnit unit_of_words(const std::array<std::string_view, 3>& texts);
 
 /// Whether the names are those of latitudes and longitudes, which are degrees and no coordinates.
 bool are_degrees(const std::vector<std::string_view>& names);

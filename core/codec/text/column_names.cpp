@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/codec/common/header_limits.hpp"
-#include "core/codec/common/position_names.hpp"
 #include "core/codec/common/text_parsing.hpp"
 
 namespace segserve::codec {
@@ -70,9 +69,8 @@ NameWithUnit split_unit(std::string_view name) {
 void rename_position(const std::vector<std::string_view>& units, ColumnNames& out) {
   const auto found = find_position_names({out.names.begin(), out.names.end()});
   if (!found) return;
-  const auto unit_behind = [&](std::size_t axis) { return unit_in_words(units[found->fields[axis]]); };
-  out.unit = found->unit;
-  if (!out.unit && unit_behind(0) == unit_behind(1) && unit_behind(0) == unit_behind(2)) out.unit = unit_behind(0);
+  const auto [x, y, z] = found->fields;
+  out.unit = found->unit ? TextUnit{found->unit} : unit_of_words({units[x], units[y], units[z]});
   for (std::size_t axis = 0; axis < 3; ++axis) out.names[found->fields[axis]] = kPosition[axis];
 }
 

@@ -8,16 +8,16 @@
 #include <string_view>
 #include <vector>
 
+#include "core/codec/common/position_names.hpp"
 #include "core/codec/text/text_cells.hpp"
-#include "segserve/codec/length_unit.hpp"
 
 namespace segserve::codec {
 
 /// The names of the columns of a table.
 struct ColumnNames {
   std::vector<std::string> names;
-  Separator separator = Separator::kSpace;        ///< between the names
-  std::optional<LengthUnit> unit = std::nullopt;  ///< of x, y and z, if it stands behind their names
+  Separator separator = Separator::kSpace;  ///< between the names
+  TextUnit unit = {};                       ///< of x, y and z, if it stands behind their names
 
   /// Where x, y and z are among the names, in any case.
   std::optional<std::array<std::size_t, 3>> position() const;

@@ -29,11 +29,12 @@ bool is_row_without_names(std::string_view line) {
   CellReader cells(line, separator);
   auto cell = cells.next();
   if (!cell) return false;
-  if (!cell->empty() || separator == Separator::kSpace) return parse_number(*cell) || has_decimal_comma(*cell);
+  const auto is_number = [](std::string_view text) { return parse_number(text) || has_decimal_comma(text); };
+  if (is_number(*cell)) return true;
   std::size_t count = 0, numbers = 0;
   for (; cell && count <= kMostHeaderFields; cell = cells.next(), ++count) {
     if (!parse_cell(*cell, separator)) return false;
-    if (!cell->empty()) ++numbers;
+    if (is_number(*cell)) ++numbers;
   }
   return count >= 3 && numbers > 0;
 }

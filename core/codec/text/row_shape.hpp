@@ -11,8 +11,8 @@
 // The shape by which a line is recognized as a row of a table.
 namespace segserve::codec {
 
-/// Whether a line without names above it is a row: its first cell is a number, or cells are left out between separators
-/// and all others are numbers.
+/// Whether a line without names above it is a row: its first cell is a number, or it begins with cells that are empty
+/// or stand for a number that is not known, and all others are numbers.
 bool is_row_without_names(std::string_view line);
 
 /// How many numbers a line has among its first cells.

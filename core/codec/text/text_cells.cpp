@@ -47,8 +47,9 @@ char character_of(Separator separator) {
 
 /// What programs write for a number that is unknown.
 bool is_unknown(std::string_view cell) {
-  constexpr std::array<std::string_view, 11> kWords{"",     "NA",   "N/A",  "#N/A", "<NA>", "null",
-                                                    "NULL", "Null", "None", "none", "#NUM!"};
+  constexpr std::array<std::string_view, 20> kWords{"",     "NA",   "N/A",     "n/a",     "#N/A",  "<NA>",  "null",
+                                                    "NULL", "Null", "None",    "none",    "#NUM!", "#NV",   "-",
+                                                    "--",   "?",    "#VALUE!", "#DIV/0!", "#REF!", "#NAME?"};
   return std::ranges::find(kWords, cell) != kWords.end();
 }
 

@@ -9,6 +9,7 @@
 
 #include "core/base/status_macros.hpp"
 #include "core/codec/common/limit_checks.hpp"
+#include "core/codec/text/text_comments.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -98,7 +99,7 @@ absl::Status TextRows::read_row(const LineReader::Line& line) {
     if (value && (std::abs(*value) >= kExactIntegers || !integers_.empty())) keep_integer(i, *cell, *value);
     values_.push_back(value.value_or(0));
   }
-  if (const auto cell = cells.next()) {
+  if (const auto cell = cells.next(); cell && !start_.has_tracks) {
     return fault("line {}: {} is one value too many; the rows have {}", line.number, quoted(*cell), start_.columns);
   }
   return absl::OkStatus();

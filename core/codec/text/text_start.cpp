@@ -12,7 +12,9 @@
 #include "core/codec/common/position_names.hpp"
 #include "core/codec/common/text_parsing.hpp"
 #include "core/codec/text/column_names.hpp"
+#include "core/codec/text/column_numbers.hpp"
 #include "core/codec/text/row_shape.hpp"
+#include "core/codec/text/text_comments.hpp"
 #include "core/codec/text/text_table.hpp"
 
 namespace segserve::codec {
@@ -56,29 +58,13 @@ bool is_title(std::string_view line, std::string_view rest) {
   return false;
 }
 
-/// Which columns a line of their numbers is for.
-struct ColumnNumbers {
-  std::size_t count = 0;
-  bool has_row_numbers = false;  ///< an empty cell stands before them
-};
-
-/// Whether a line is one of names that pandas makes up, 0,1,2 and so on, maybe behind an empty cell, and no first
-/// point: the next line has decimals, or the numbers are more than a point would have.
-std::optional<ColumnNumbers> column_numbers(std::string_view line, std::string_view rest) {
-  constexpr std::size_t kMoreThanAPoint = 6, kEnough = std::size_t{1} << 16U;
-  if (line.find_first_of(",;\t|") == std::string_view::npos) return std::nullopt;
-  std::vector<std::string_view> cells = split_cells(line, separator_of(line), kMostHeaderFields + 1);
-  const bool has_empty_cell = !cells.empty() && cells[0].empty();
-  if (has_empty_cell) cells.erase(cells.begin());
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (parse_count(cells[i]) != i) return std::nullopt;
-  }
-  if (cells.size() < 3) return std::nullopt;
-  const auto next = LineReader(rest.substr(0, kEnough)).next();
-  const std::size_t first = next ? next->text.find_first_not_of("0123456789+-,;| \t\r\"") : std::string_view::npos;
-  const bool has_decimals = first != std::string_view::npos && (next->text[first] == '.' || next->text[first] == 'e');
-  if (!has_decimals && cells.size() < kMoreThanAPoint) return std::nullopt;
-  return ColumnNumbers{cells.size(), has_empty_cell || line.front() == '\t'};
+/// Whether a line of dashes, or of their like, is a rule below names. Between separators, one or two dashes are numbers
+/// that are not known.
+bool is_rule(std::string_view line) {
+  const bool has_others = line.find_first_not_of("-_=:|,;+ \t") != std::string_view::npos;
+  if (has_others || line.find_first_of("-_=") == std::string_view::npos) return false;
+  return line.find_first_of("_=") != std::string_view::npos || line.find("---") != std::string_view::npos ||
+         line.find_first_of(",;\t") == std::string_view::npos;
 }
 
 /// Walks over the lines above the first row.
@@ -96,15 +82,16 @@ class StartFinder {
         if (start_.count) return fault("it begins with two counts, as PTX does; save it as PTS or PLY");
         start_.count = parse_count(split_words(line->text)[0]);
       } else if (const auto numbers = column_numbers_above_rows(line->text)) {
-        start_.column_numbers = numbers->count;
-        start_.has_row_numbers = numbers->has_row_numbers;
-      } else if (named_row(names_, line->text) || is_row_without_names(line->text)) {
+        start_.column_numbers = numbers;
+      } else if (!is_rule(line->text) && (named_row(names_, line->text) || is_row_without_names(line->text))) {
         start_.offset = offset;
         start_.line = line->number;
         RETURN_IF_ERROR(take_row(line->text));
         start_.unit = names_.unit;
         start_.names = std::move(names_.names);
         return std::move(start_);
+      } else if (const auto remark = comment_above_rows(line->text, file_.substr(lines_.offset()))) {
+        take_comment(*remark);
       } else if (names_.names.empty() && is_title(line->text, file_.substr(lines_.offset()))) {
         ++start_.titles;
       } else if (!is_below_names(line->text)) {
@@ -117,28 +104,32 @@ class StartFinder {
 
  private:
   std::optional<ColumnNumbers> column_numbers_above_rows(std::string_view line) const {
-    if (!names_.names.empty() || start_.column_numbers > 0) return std::nullopt;
+    if (!names_.names.empty() || start_.column_numbers) return std::nullopt;
     return column_numbers(line, file_.substr(lines_.offset()));
   }
 
   void take_comment(std::string_view comment) {
-    if (!start_.stated.take(comment)) comment_ = comment;
+    if (start_.stated.take(comment)) return;
+    if (is_colmap_header(comment)) start_.has_tracks = true;
+    comment_ = comment;
   }
 
   /// Whether a line below the names has the units of the columns, which are noted, or is a rule of dashes.
   bool is_below_names(std::string_view line) {
     const auto position = names_.position();
     if (!position) return false;
-    if (line.find_first_not_of("-:|,;+ \t") == std::string_view::npos) return true;
+    if (is_rule(line)) return true;
     const auto cells = split_cells(line, names_.separator, kMostHeaderFields + 1);
     if (cells.size() > names_.names.size()) return false;
-    std::array<std::optional<LengthUnit>, 3> units;
+    std::array<std::string_view, 3> texts;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const std::size_t column = (*position)[axis];
-      if (column < cells.size()) units[axis] = unit_in_words(cells[column]);
+      if (column < cells.size()) texts[axis] = cells[column];
     }
-    if (!units[0] || units[0] != units[1] || units[0] != units[2]) return false;
-    names_.unit = units[0];
+    const bool are_units = std::ranges::all_of(texts, [](auto text) { return unit_in_words(text).has_value(); });
+    const bool are_alike = !texts[0].empty() && texts[0] == texts[1] && texts[0] == texts[2];
+    if (!are_units && !are_alike) return false;
+    names_.unit = unit_of_words(texts);
     return true;
   }
 
@@ -159,6 +150,11 @@ class StartFinder {
   }
 
   absl::Status take_row(std::string_view row) {
+    if (start_.has_tracks) {
+      start_.columns = kColmapColumns.size();
+      names_.names.assign(kColmapColumns.begin(), kColmapColumns.end());
+      return absl::OkStatus();
+    }
     const bool has_names = !names_.names.empty();
     const std::size_t columns = has_names ? 0 : split_cells(row, separator_of(row), kMostHeaderFields + 1).size();
     if (columns > kMostHeaderFields) return too_many_columns();
@@ -170,6 +166,8 @@ class StartFinder {
     start_.separator = named ? named->separator : separator_of(row);
     if (named && named->before > 0 && are_row_names(row)) names_.names.insert(names_.names.begin(), "");
     start_.columns = names_.names.empty() ? columns : names_.names.size();
+    auto& numbers = start_.column_numbers;
+    if (numbers && numbers->count + 1 == start_.columns) numbers->has_row_numbers = true;
     if (start_.columns >= 3) return absl::OkStatus();
     return fault("line {} has {} columns; x, y and z are needed", start_.line, start_.columns);
   }
@@ -200,16 +198,6 @@ class StartFinder {
 
 }  // namespace
 
-std::optional<std::string_view> text_comment(std::string_view line) {
-  const std::size_t begin = line.find_first_not_of(" \t");
-  if (begin == std::string_view::npos) return std::nullopt;
-  line.remove_prefix(begin);
-  const bool is_comment = line.starts_with('#') || line.starts_with("//");
-  if (!is_comment) return std::nullopt;
-  const std::size_t text = line.find_first_not_of("#/ \t");
-  return text == std::string_view::npos ? std::string_view() : line.substr(text);
-}
-
 absl::StatusOr<TextStart> find_text_start(std::string_view file) { return StartFinder(file).run(); }
 
 TableKind table_kind(std::string_view file) {
@@ -227,7 +215,9 @@ TableKind table_kind(std::string_view file) {
     if (is_row_without_names(begin)) {
       return split_cells(begin, separator_of(begin)).size() >= 3 ? TableKind::kPoints : TableKind::kNone;
     }
-    if (is_title(line->text, file.substr(lines.offset()))) return TableKind::kPoints;
+    const std::string_view rest = file.substr(std::min(lines.offset(), file.size()));
+    if (comment_above_rows(line->text, rest)) continue;
+    if (column_numbers(line->text, rest) || is_title(line->text, rest)) return TableKind::kPoints;
     const ColumnNames names = column_names(begin);
     if (names.names.size() == 1 || is_pcd_entry(begin)) return TableKind::kNone;
     if (names.position()) return TableKind::kPoints;

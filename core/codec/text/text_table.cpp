@@ -34,7 +34,8 @@ std::vector<std::string> names_of(const TextStart& start, const TextRows& rows, 
   std::vector<Column> columns;
   const std::size_t readable = rows.unreadable().empty() ? start.columns : rows.unreadable().begin()->first;
   for (std::size_t i = 0; i < readable; ++i) columns.push_back(rows.column(i));
-  std::vector<std::string> names = name_columns(columns, rows.points(), check, warnings, start.has_row_numbers);
+  std::vector<std::string> names = name_columns(columns, rows.points(), check, warnings,
+                                                start.column_numbers && start.column_numbers->has_row_numbers);
   for (std::size_t i = names.size(); i < start.columns; ++i) names.push_back(fmt::format("column_{}", i + 1));
   return names;
 }
@@ -83,15 +84,20 @@ absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes,
                             fmt::format("{} line{} of words above the names of the columns {} not used", start.titles,
                                         start.titles == 1 ? "" : "s", start.titles == 1 ? "is" : "are")});
   }
-  if (start.column_numbers > 0) {
+  if (start.column_numbers) {
     out.warnings.push_back({WarningReason::kRowsNotUsed,
-                            fmt::format("the line 0 to {} above the rows is taken as the numbers of the columns",
-                                        start.column_numbers - 1)});
+                            fmt::format("the line {} to {} above the rows is taken as the numbers of the columns",
+                                        start.column_numbers->first, start.column_numbers->last)});
+  }
+  if (start.has_tracks && options.keep_everything) {
+    out.warnings.push_back({WarningReason::kAttributeNotKept,
+                            fmt::format("the images in which the {} points were seen are not kept", rows.points())});
   }
   const std::vector<std::string> names = names_of(start, rows, check, out.warnings);
   RETURN_IF_ERROR(check.status());
   ASSIGN_OR_RETURN(PointTable table, make_table(names, rows, out.warnings));
-  table.roles.unit = start.unit;
+  table.roles.unit = start.unit.unit;
+  if (!start.unit.doubt.empty()) table.reference_unit = ToldUnit{LengthUnit::kMeter, start.unit.doubt, true};
   table.stated = start.stated;
   RETURN_IF_ERROR(read_points(table, {}, options, stop, out));
   return out;

@@ -29,11 +29,11 @@ TableKind table_kind(std::string_view file);
 bool is_text_table(std::string_view file);
 
 /// Decodes a table. Cells are separated by spaces, tabs, commas, semicolons or bars, which the first rows tell. Lines
-/// that begin with # or // are comments. The names of the columns stand in the first line, or in the last comment above
-/// the rows if it has x, y and z and as many words as a row; else the values tell what the columns are (name_columns).
-/// A first line with a single count is that of PTS, which may have several blocks, each with a count. Coordinates are
-/// doubles. Comments may be statements of segserve. INVALID_ARGUMENT names the line of what is missing, too much, or no
-/// number; CANCELLED, DEADLINE_EXCEEDED.
+/// that begin with # or // are comments, and above the rows also those that begin with %, ! or ;. The names of the
+/// columns stand in the first line, or in the last comment above the rows if it has x, y and z and as many words as a
+/// row; else the values tell what the columns are (name_columns). A first line with a single count is that of PTS,
+/// which may have several blocks, each with a count. Coordinates are doubles. Comments may be statements of segserve.
+/// INVALID_ARGUMENT names the line of what is missing, too much, or no number; CANCELLED, DEADLINE_EXCEEDED.
 absl::StatusOr<LabeledCloud> decode_text_table(std::span<const std::byte> bytes, const DecodeLimits& limits,
                                                const ReadOptions& options = {}, const StopToken& stop = {});
 

@@ -37,13 +37,21 @@ TEST(TextTable, CoordinatesHaveNamesOfManyKinds) {
                                        "lidar_x,lidar_y,lidar_z",
                                        "East,North,Up",
                                        "X/m,Y/m,Z/m",
-                                       "x in m,y in m,z in m"}) {
+                                       "x in m,y in m,z in m",
+                                       "x_cam,y_cam,z_cam",
+                                       "Easting,Northing,Elev",
+                                       "x,y,height",
+                                       "X;Y;H",
+                                       "X1 (m), Y1 (m), Z1 (m)"}) {
     const LabeledCloud cloud = read_table(std::string(names) + "\n1,2,3\n4,5,6\n");
     EXPECT_THAT(cloud.cloud.x, ElementsAre(1, 4)) << names;
     EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << names;
     EXPECT_THAT(cloud.warnings, IsEmpty()) << names;
     EXPECT_TRUE(cloud.attributes.empty()) << names;
   }
+  EXPECT_THAT(attributes_of(read_table("X1 (m), Y1 (m), Z1 (m), X2 (m), Y2 (m), Z2 (m)\n1,2,3,4,5,6\n")),
+              ElementsAre("X2", "Y2", "Z2"));
+  EXPECT_THAT(read_table("x,y,h,z\n1,2,8,3\n").cloud.z, ElementsAre(3));
   EXPECT_THAT(read_table("id,northing,easting,elevation\n7,1,2,3\n8,4,5,6\n").cloud.x, ElementsAre(2, 5));
 }
 
@@ -63,8 +71,14 @@ TEST(TextTable, AUnitBesideOrBelowTheNamesIsTaken) {
                                          {"x,y,z\n[cm],[cm],[cm]\n", 0.01},
                                          {"x,y,z\n----,----,----\n", 1},
                                          {"x,y,z\nm,m,m\n", 1},
-                                         {"x (px),y (px),z (px)\n", 1},
-                                         {"x [mm],y [m],z [m]\n", 1}}) {
+                                         {"X (US ft),Y (US ft),Z (US ft)\n", 0.3048},
+                                         {"X (ftUS),Y (ftUS),Z (ftUS)\n", 0.3048},
+                                         {"X [US survey foot],Y [US survey foot],Z [US survey foot]\n", 0.3048},
+                                         {"x_usft,y_usft,z_usft\n", 0.3048},
+                                         {"x_us_ft,y_us_ft,z_us_ft\n", 0.3048},
+                                         {"x,y,z\nusft,usft,usft\n", 0.3048},
+                                         {"x [],y [],z []\n", 1},
+                                         {"x (m),y,z\n", 1}}) {
     const std::string file = std::string(c.head) + "1,2,3\n4,5,6\n";
     const LabeledCloud cloud = read_table(file);
     EXPECT_DOUBLE_EQ(cloud.placement.meters_per_unit(), c.meters) << c.head;
@@ -75,6 +89,29 @@ TEST(TextTable, AUnitBesideOrBelowTheNamesIsTaken) {
     EXPECT_EQ(given->placement.meters_per_unit(), 1) << "a unit that is given wins: " << c.head;
   }
   EXPECT_THAT(read_table("x_mm,y_mm,z_mm\n1,2,3\n").warnings[0].message, HasSubstr("are taken as mm, as the names"));
+}
+
+TEST(TextTable, AUnitThatIsNotKnownOrNotTheSameIsMentioned) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"x (yd),y (yd),z (yd)\n", "because the unit 'yd' of x is not known"},
+      {"X [km],Y [km],Z [km]\n", "because the unit 'km' of x is not known"},
+      {"x (dm),y (dm),z (dm)\n", "because the unit 'dm' of x is not known"},
+      {"x [µm],y [µm],z [µm]\n", "because the unit 'um' of x is not known"},
+      {"x (m),y (m),z (um)\n", "because the unit 'um' of z is not known"},
+      {"x,y,z\nyd,yd,yd\n", "because the unit 'yd' of x is not known"},
+      {"x (m),y (m),z (mm)\n", "though the units of x, y and z differ: m, m, mm"},
+      {"x,y,z\nm,m,mm\n", "though the units of x, y and z differ: m, m, mm"},
+      {"x [mm],y,z\n", "though the units of x, y and z differ: mm, none, none"}};
+  for (const auto& [head, why] : cases) {
+    const std::string file = head + "1,2,3\n4,5,6\n";
+    const LabeledCloud cloud = read_table(file);
+    EXPECT_EQ(cloud.placement.meters_per_unit(), 1) << head;
+    EXPECT_THAT(cloud.cloud.z, ElementsAre(3, 6)) << head;
+    ASSERT_EQ(cloud.warnings.size(), 1U) << head;
+    EXPECT_EQ(cloud.warnings[0].reason, WarningReason::kUnitGuessed);
+    EXPECT_EQ(cloud.warnings[0].message, "the coordinates are taken as m, " + why);
+    EXPECT_THAT(decode_cloud(bytes_of(file), {}, {.unit = LengthUnit::kFoot})->warnings, IsEmpty()) << head;
+  }
 }
 
 TEST(TextTable, TitlesAboveTheNamesAreMentioned) {
@@ -189,6 +226,24 @@ TEST(TextTable, ALineThatNumbersTheColumnsIsNoPoint) {
     EXPECT_EQ(with_index.cloud.x[0], 1.5F) << file;
     EXPECT_THAT(attributes_of(with_index), ElementsAre("point_number")) << file;
   }
+  for (const std::string_view file :
+       {"V1,V2,V3,V4,V5,V6\n1,2,3,9,8,7\n4,5,6,9,8,7\n", "Var1;Var2;Var3;Var4;Var5;Var6\n1;2;3;9;8;7\n4;5;6;9;8;7\n",
+        "V1 V2 V3 V4 V5 V6\n1 2 3 9 8 7\n4 5 6 9 8 7\n", "X1\tX2\tX3\tX4\tX5\tX6\n1\t2\t3\t9\t8\t7\n4\t5\t6\t9\t8\t7\n",
+        "f0,f1,f2,f3,f4,f5\n1,2,3,9,8,7\n4,5,6,9,8,7\n"}) {
+    const LabeledCloud made_up = read_table(file);
+    EXPECT_THAT(made_up.cloud.x, ElementsAre(1, 4)) << file;
+    EXPECT_TRUE(made_up.cloud.has_color()) << file;
+    EXPECT_THAT(made_up.warnings.at(0).message, HasSubstr(" above the rows is taken")) << file;
+  }
+  for (const std::string_view file : {"\"\",\"V1\",\"V2\",\"V3\"\n\"7\",1.5,2,3\n\"5\",4.5,5,6\n\"8\",7,8,9\n",
+                                      "\"V1\" \"V2\" \"V3\"\n\"7\" 1.5 2 3\n\"5\" 4.5 5 6\n\"8\" 7 8 9\n"}) {
+    const LabeledCloud of_r = read_table(file);
+    EXPECT_THAT(of_r.cloud.x, ElementsAre(1.5F, 4.5F, 7)) << file;
+    EXPECT_THAT(attributes_of(of_r), ElementsAre("point_number")) << file;
+  }
+  EXPECT_FALSE(decode_text_table(bytes_of("V1,V2,V4\n1,2,3\n"), {}).ok());
+  EXPECT_FALSE(decode_text_table(bytes_of("V2,V3,V4\n1,2,3\n"), {}).ok());
+  EXPECT_FALSE(decode_text_table(bytes_of("feature0,feature1,feature2\n1,2,3\n"), {}).ok());
   EXPECT_EQ(read_table("0,1,2\n3,4,5\n").cloud.size(), 2U) << "so may points be";
   EXPECT_EQ(read_table("0 1 2\n3.5 4 5\n").cloud.size(), 2U);
   EXPECT_EQ(read_table("0,1,3\n3.5,4,5\n").cloud.size(), 2U);

@@ -118,7 +118,10 @@ TEST(TextTable, EmptyCellsAreUnknown) {
   for (const std::string_view file :
        {"x,y,z,r,g,b\n,,,150,110,70\n1,,3,150,110,70\n", ",,,150,110,70\n1,,3,150,110,70\n",
         "x\ty\tz\tr\tg\tb\n\t\t\t150\t110\t70\n1\t\t3\t150\t110\t70\n",
-        "x;y;z;r;g;b\nNA;NA;NA;150;110;70\n1;null;3;150;110;70\n"}) {
+        "x;y;z;r;g;b\nNA;NA;NA;150;110;70\n1;null;3;150;110;70\n",
+        "x,y,z,r,g,b\nn/a,-,--,150,110,70\n1,?,3,150,110,70\n", "-,-,-,150,110,70\n1,-,3,150,110,70\n",
+        "x,y,z,r,g,b\n#N/A,1,2,150,110,70\n1,#VALUE!,3,150,110,70\n", "#NV;1;2;150;110;70\n1;#NV;3;150;110;70\n",
+        "? ? ? 150 110 70\n1 ? 3 150 110 70\n", "n/a n/a n/a 150 110 70\n1 -- 3 150 110 70\n"}) {
     const LabeledCloud cloud = read_table(file);
     ASSERT_EQ(cloud.cloud.size(), 2U) << file;
     EXPECT_TRUE(std::isnan(cloud.cloud.x[0]) && std::isnan(cloud.cloud.y[1])) << file;
