@@ -130,7 +130,12 @@ absl::Status find_position(const std::vector<Field>& fields, const FieldNames& n
     roles.position = *usual;
   } else if (const auto others = find_position_names(names.exact())) {
     roles.position = others->fields;
-    roles.unit = others->unit;
+    roles.unit = others->unit.unit;
+    if (!others->unit.doubt.empty()) {
+      const auto name = [&](std::size_t axis) { return quoted(fields[others->fields[axis]].name); };
+      return absl::InvalidArgumentError(
+          fmt::format("the units of {}, {} and {} differ; give all three the same one", name(0), name(1), name(2)));
+    }
   } else if (are_degrees(names.exact())) {
     return absl::InvalidArgumentError(
         "latitudes and longitudes are no coordinates in meters; project them first, for example to UTM");

@@ -45,14 +45,14 @@ constexpr std::array<Triple, 26> kWhole{{
 }};
 
 /// Each pair is the text before and behind the letter x, y or z of a name.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 37> kAround{{
-    {"pos_", ""},    {"pos.", ""},    {"position_", ""},   {"position.", ""},   {"point_", ""},   {"point.", ""},
-    {"points_", ""}, {"coord_", ""},  {"coord.", ""},      {"coordinate_", ""}, {"field.", ""},   {"world_", ""},
-    {"map_", ""},    {"utm_", ""},    {"local_", ""},      {"global_", ""},     {"lidar_", ""},   {"laser_", ""},
-    {"camera_", ""}, {"cam_", ""},    {"sensor_", ""},     {"pos", ""},         {"position", ""}, {"p", ""},
-    {"", "_coord"},  {"", " coord"},  {"", "_coordinate"}, {"", " coordinate"}, {"", "_cam"},     {"", "_camera"},
-    {"", "_lidar"},  {"", "_sensor"}, {"", "_world"},      {"", "_map"},        {"", "_local"},   {"", "_global"},
-    {"", "_utm"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 38> kAround{{
+    {"pos_", ""},    {"pos.", ""},   {"position_", ""}, {"position.", ""},   {"point_", ""},      {"point.", ""},
+    {"points_", ""}, {"coord_", ""}, {"coord.", ""},    {"coordinate_", ""}, {"field.", ""},      {"world_", ""},
+    {"map_", ""},    {"utm_", ""},   {"local_", ""},    {"global_", ""},     {"lidar_", ""},      {"laser_", ""},
+    {"camera_", ""}, {"cam_", ""},   {"sensor_", ""},   {"pos", ""},         {"position", ""},    {"p", ""},
+    {"ori_", ""},    {"", "_coord"}, {"", " coord"},    {"", "_coordinate"}, {"", " coordinate"}, {"", "_cam"},
+    {"", "_camera"}, {"", "_lidar"}, {"", "_sensor"},   {"", "_world"},      {"", "_map"},        {"", "_local"},
+    {"", "_global"}, {"", "_utm"},
 }};
 
 struct UnitName {
@@ -123,17 +123,31 @@ Name without_unit(std::string_view name) {
   return {lower, std::nullopt};
 }
 
-/// Where three names are that `is_wanted(name, axis)` accepts, with the same unit behind all of them.
+/// The unit that x, y and z have in common. One without a unit may be in meters.
+TextUnit common_unit(const std::array<std::optional<LengthUnit>, 3>& units) {
+  if (units[0] == units[1] && units[0] == units[2]) return {units[0], ""};
+  const auto is_meter_or_none = [](const auto& unit) {
+    return unit.value_or(LengthUnit::kMeter) == LengthUnit::kMeter;
+  };
+  if (std::ranges::all_of(units, is_meter_or_none)) return {LengthUnit::kMeter, ""};
+  std::array<std::string, 3> said;
+  std::ranges::transform(units, said.begin(),
+                         [](const auto& unit) { return std::string(unit ? name(*unit) : "none"); });
+  return {std::nullopt, fmt::format("though the units of x, y and z differ: {}", fmt::join(said, ", "))};
+}
+
+/// Where three names are that `is_wanted(name, axis)` accepts.
 template <typename IsWanted>
 std::optional<PositionNames> find(const std::vector<Name>& names, IsWanted is_wanted) {
   PositionNames found;
+  std::array<std::optional<LengthUnit>, 3> units;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto at = std::ranges::find_if(names, [&](const Name& name) { return is_wanted(name.text, axis); });
     if (at == names.end()) return std::nullopt;
     found.fields[axis] = static_cast<std::size_t>(at - names.begin());
-    if (axis > 0 && at->unit != found.unit) return std::nullopt;
-    found.unit = at->unit;
+    units[axis] = at->unit;
   }
+  found.unit = common_unit(units);
   return found;
 }
 
@@ -203,15 +217,7 @@ TextUnit unit_of_words(const std::array<std::string_view, 3>& texts) {
     const std::string shown = quoted(with_plain_micro(text));
     return {std::nullopt, fmt::format("because the unit {} of {} is not known", shown, kAxes[axis])};
   }
-  if (units[0] == units[1] && units[0] == units[2]) return {units[0], ""};
-  const auto is_meter_or_none = [](const auto& unit) {
-    return unit.value_or(LengthUnit::kMeter) == LengthUnit::kMeter;
-  };
-  if (std::ranges::all_of(units, is_meter_or_none)) return {LengthUnit::kMeter, ""};
-  std::array<std::string, 3> said;
-  std::ranges::transform(units, said.begin(),
-                         [](const auto& unit) { return std::string(unit ? name(*unit) : "none"); });
-  return {std::nullopt, fmt::format("though the units of x, y and z differ: {}", fmt::join(said, ", "))};
+  return common_unit(units);
 }
 
 bool are_degrees(const std::vector<std::string_view>& names) {

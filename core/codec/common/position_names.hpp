@@ -13,10 +13,16 @@
 // The names that programs give to coordinates, other than x, y and z.
 namespace segserve::codec {
 
+/// What three names or texts say of the unit of x, y and z.
+struct TextUnit {
+  std::optional<LengthUnit> unit = std::nullopt;  ///< nullopt if they say nothing, or if there is a doubt
+  std::string doubt = {};  ///< what follows "the coordinates are taken as m, " if a unit is not known, or they differ
+};
+
 /// Which of some names are those of the coordinates.
 struct PositionNames {
-  std::array<std::size_t, 3> fields{};            ///< x, y and z
-  std::optional<LengthUnit> unit = std::nullopt;  ///< that the names tell
+  std::array<std::size_t, 3> fields{};  ///< x, y and z
+  TextUnit unit = {};                   ///< that the names tell
 };
 
 /// Finds names of the kind of x_mm, pos_x, position.x, x_coord, Points:0 and easting, in any case, also with a unit
@@ -29,12 +35,6 @@ std::optional<LengthUnit> unit_in_words(std::string_view text);
 
 /// The text without a pair of brackets around it.
 std::string_view without_brackets(std::string_view text);
-
-/// What three texts say of the unit of x, y and z.
-struct TextUnit {
-  std::optional<LengthUnit> unit = std::nullopt;  ///< nullopt if they say nothing, or if there is a doubt
-  std::string doubt = {};  ///< what follows "the coordinates are taken as m, " if a unit is not known, or they differ
-};
 
 /// The unit that three texts have in common. Each may be empty, or have brackets around it.
 TextUnit unit_of_words(const std::array<std::string_view, 3>& texts);

@@ -70,7 +70,8 @@ void rename_position(const std::vector<std::string_view>& units, ColumnNames& ou
   const auto found = find_position_names({out.names.begin(), out.names.end()});
   if (!found) return;
   const auto [x, y, z] = found->fields;
-  out.unit = found->unit ? TextUnit{found->unit} : unit_of_words({units[x], units[y], units[z]});
+  const bool is_told = found->unit.unit || !found->unit.doubt.empty();
+  out.unit = is_told ? found->unit : unit_of_words({units[x], units[y], units[z]});
   for (std::size_t axis = 0; axis < 3; ++axis) out.names[found->fields[axis]] = kPosition[axis];
 }
 

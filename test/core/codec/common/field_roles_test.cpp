@@ -2,6 +2,7 @@
 #include "core/codec/common/field_roles.hpp"
 
 #include "gmock/gmock.h"
+#include "test/core/codec/support/sample_cloud.hpp"
 
 namespace segserve::codec {
 namespace {
@@ -114,6 +115,13 @@ TEST(FieldRoles, ACoordinateIsOneNumberThatOccursOnce) {
   EXPECT_THAT(std::string(find_field_roles(fields, warnings).status().message()), HasSubstr("'y' must be one number"));
   EXPECT_FALSE(find_field_roles(fields_of({"x", "y"}), warnings).ok());
   EXPECT_FALSE(find_field_roles(fields_of({"x", "x", "y", "z"}), warnings).ok());
+}
+
+TEST(FieldRoles, CoordinatesHaveOneUnit) {
+  std::vector<Warning> warnings;
+  EXPECT_EQ(find(fields_of({"x_mm", "y_mm", "z_mm"})).roles.unit, LengthUnit::kMillimeter);
+  expect_fault(find_field_roles(fields_of({"x_mm", "y_mm", "z_m"}), warnings).status(),
+               "the units of 'x_mm', 'y_mm' and 'z_m' differ; give all three the same one");
 }
 
 TEST(FieldRoles, APointHasABoundedNumberOfNumbers) {

@@ -39,6 +39,7 @@ TEST(TextTable, CoordinatesHaveNamesOfManyKinds) {
                                        "X/m,Y/m,Z/m",
                                        "x in m,y in m,z in m",
                                        "x_cam,y_cam,z_cam",
+                                       "Ori_x,Ori_y,Ori_z",
                                        "Easting,Northing,Elev",
                                        "x,y,height",
                                        "X;Y;H",
@@ -101,6 +102,8 @@ TEST(TextTable, AUnitThatIsNotKnownOrNotTheSameIsMentioned) {
       {"x,y,z\nyd,yd,yd\n", "because the unit 'yd' of x is not known"},
       {"x (m),y (m),z (mm)\n", "though the units of x, y and z differ: m, m, mm"},
       {"x,y,z\nm,m,mm\n", "though the units of x, y and z differ: m, m, mm"},
+      {"x_mm,y_mm,z_m\n", "though the units of x, y and z differ: mm, mm, m"},
+      {"x,y,z_mm\n", "though the units of x, y and z differ: none, none, mm"},
       {"x [mm],y,z\n", "though the units of x, y and z differ: mm, none, none"}};
   for (const auto& [head, why] : cases) {
     const std::string file = head + "1,2,3\n4,5,6\n";
