@@ -110,6 +110,7 @@ bool BorderMetric::is_chip(double voxels, double contacts) const {
 }
 
 bool BorderMetric::is_wall(double voxels, const Vec3& normal_sum) const {
+  if (constants_.wall_weight == 1) return false;  // Nothing depends on it, so no edges change.
   return voxels >= wall_size_ && norm(normal_sum) >= constants_.wall_flatness * voxels;
 }
 

@@ -10,7 +10,8 @@
 namespace segserve::codec {
 namespace {
 
-/// The smallest and the largest value that is finite, and whether all values are multiples of 256, or whole.
+/// The smallest and the largest value that is finite, whether all of these are multiples of 256, or whole, and whether
+/// there are others that are NaN.
 struct ChannelRange {
   double smallest = 0, largest = 0;
   bool multiples_of_256 = true, is_whole = true, has_nan = false;

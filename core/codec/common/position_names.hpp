@@ -13,7 +13,7 @@
 // The names that programs give to coordinates, other than x, y and z.
 namespace segserve::codec {
 
-/// What three names or texts say of the unit of x, y and z.
+/// The unit that three names or texts give to x, y and z.
 struct TextUnit {
   std::optional<LengthUnit> unit = std::nullopt;  ///< nullopt if they say nothing, or if there is a doubt
   std::string doubt = {};  ///< what follows "the coordinates are taken as m, " if a unit is not known, or they differ

@@ -56,7 +56,7 @@ class PackedColorEvidence {
   bool are_bits_ = true, are_integers_ = true, descends_ = false;
 };
 
-/// What the values of a column tell of whether it is a channel of a color. A color that is missing has NaN or -1.
+/// Tells by the values of a column whether it is a channel of a color. A color that is missing has NaN or -1.
 class ChannelEvidence {
  public:
   void take(double value) {

@@ -11,7 +11,7 @@
 #include "core/codec/common/point_columns.hpp"
 #include "segserve/codec/decode_limits.hpp"
 
-// What programs write into the comments of OBJ files.
+// Units and colors that programs write into the comments of OBJ files.
 namespace segserve::codec {
 
 /// Notes the unit of the coordinates, as SketchUp writes "# File units = inches", and the colors that ZBrush paints on

@@ -30,7 +30,7 @@ Region region_of(double voxels, double flatness) {
   return region;
 }
 
-/// What mean evidence of 1 adds to the dissimilarity of two regions.
+/// By how much mean evidence of 1 makes two regions more dissimilar.
 double weight_of_evidence(const BorderMetric& metric, std::uint32_t a, std::uint32_t b) {
   return metric.dissimilarity(a, b, {5, 5}) - metric.dissimilarity(a, b, {5, 0});
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the columns of a table without names are taken for, by their values.
+// The columns of a table without names are taken for what their values tell.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
