@@ -53,10 +53,12 @@ struct Run {
 Run run(const Cloud& cloud, const Options& options, std::uint64_t n) {
   std::atomic<bool> cancelled = false;
   std::atomic<std::uint64_t> looks = 0, units_at_stop = 0;
-  WorkMeter meter([&](std::uint64_t units) {
+  WorkMeter meter([&](std::uint64_t) {
     if (++looks != n) return;
-    units_at_stop = units;
     cancelled = true;
+    // Only what comes after the flag counts: where the CPU is taken from this thread before it has set the flag, the
+    // other threads go on for as long, because nobody has asked them to stop.
+    units_at_stop = meter.units();
   });
   const auto result = segment(cloud, options, StopToken(&cancelled, std::nullopt, &meter));
   return {result.status(), looks, meter.units(), cancelled ? meter.units() - units_at_stop : 0};

@@ -306,10 +306,10 @@ TEST(Describe, StopsSoon) {
     for (std::uint64_t n = 0; n == 0 || n < looks; n += 1 + looks / 40) {
       std::atomic<bool> cancelled = false;
       std::atomic<std::uint64_t> seen = 0, at_stop = 0;
-      WorkMeter meter([&](std::uint64_t units) {
+      WorkMeter meter([&](std::uint64_t) {
         if (++seen != n) return;
-        at_stop = units;
         cancelled = true;
+        at_stop = meter.units();  // what other threads did before the flag was set does not count
       });
       Segmentation s = segmented;
       const absl::Status status = describe(cloud, threads, StopToken(&cancelled, std::nullopt, &meter), s);
