@@ -75,14 +75,12 @@ Payload rgbd_payload(codec::RgbdFiles images) {
 absl::StatusOr<codec::LabeledCloud> decode(const Payload& payload, const StopToken& stop) {
   const v1::Cloud message = message_of(payload);
   ASSIGN_OR_RETURN(wire::DecodedCloud decoded, wire::decode_cloud(message, {.draco = true}, stop));
-  return codec::LabeledCloud{.cloud = std::move(decoded.cloud).to_cloud(),
-                             .label = {},
-                             .view_rule = std::move(decoded.view_rule),
-                             .warnings = std::move(decoded.warnings),
-                             .placement = decoded.placement,
-                             .file_position = {},
-                             .attributes = {},
-                             .format = {}};
+  codec::LabeledCloud cloud;
+  cloud.cloud = std::move(decoded.cloud).to_cloud();
+  cloud.view_rule = std::move(decoded.view_rule);
+  cloud.warnings = std::move(decoded.warnings);
+  cloud.placement = decoded.placement;
+  return cloud;
 }
 
 }  // namespace segserve::client

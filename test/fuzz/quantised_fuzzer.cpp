@@ -22,7 +22,9 @@ void decode(std::string_view bytes) {
     expect_sound(decoded.status());
     return;
   }
-  expect_sound(LabeledCloud{.cloud = decoded->cloud});
+  LabeledCloud cloud;
+  cloud.cloud = decoded->cloud;
+  expect_sound(cloud);
   // What our encoder makes of a decoded cloud has the same shape.
   const auto encoded = encode_quantised(decoded->cloud, decoded->error_bound);
   if (!encoded.ok()) return;  // Coordinates that are too large for the bound.

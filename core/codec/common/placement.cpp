@@ -98,7 +98,9 @@ FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> 
   FileContent content{.cloud = file.cloud,
                       .label = label,
                       .attributes = file.attributes,
-                      .has_standard_gps_time = file.has_standard_gps_time};
+                      .has_standard_gps_time = file.has_standard_gps_time,
+                      .viewpoint_rotation = file.viewpoint_rotation,
+                      .reference_records = file.reference_records};
   content.cloud.view = to_file(file.placement, file.cloud.view);
   // Everything in the file is in its unit.
   content.cloud.view = with_moved_sensors(

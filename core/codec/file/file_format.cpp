@@ -97,6 +97,24 @@ bool has_a_single_row(FileFormat format) {
          format == FileFormat::kCsv;
 }
 
+/// What of the content a format for clouds cannot hold, apart from values of points, a line for people each.
+std::vector<std::string> losses_of(const FileContent& content, FileFormat format) {
+  std::vector<std::string> losses;
+  const CloudView& cloud = content.cloud;
+  if (cloud.height > 1 && has_a_single_row(format)) {
+    losses.push_back(
+        fmt::format("the rows and columns of the organized cloud ({} x {}) are not kept; PCD and NPY keep them",
+                    cloud.width, cloud.height));
+  }
+  if (content.viewpoint_rotation && (has_a_single_row(format) || format == FileFormat::kNpy)) {
+    losses.emplace_back("the rotation of the file's VIEWPOINT is not kept; PCD keeps it");
+  }
+  if (!content.reference_records.empty() && format != FileFormat::kLas && !has_labels_only(format)) {
+    losses.emplace_back("the coordinate reference system is not kept; LAS keeps it, and the coordinates stay");
+  }
+  return losses;
+}
+
 absl::StatusOr<EncodedFile> encode_as(const FileContent& content, FileFormat format, FileEncoding encoding,
                                       std::string_view scene) {
   const bool text = encoding == FileEncoding::kText;
@@ -178,12 +196,8 @@ std::string scene_name(std::string_view path) {
 absl::StatusOr<EncodedFile> encode_file(const FileContent& content, FileFormat format, FileEncoding encoding,
                                         std::string_view scene) {
   ASSIGN_OR_RETURN(EncodedFile file, encode_as(content, format, encoding, scene));
-  const CloudView& cloud = content.cloud;
-  if (cloud.height > 1 && has_a_single_row(format)) {
-    file.warnings.push_back({WarningReason::kAttributeNotKept,
-                             fmt::format("the rows and columns of the organized cloud ({} x {}) are not kept; PCD and "
-                                         "NPY keep them",
-                                         cloud.width, cloud.height)});
+  for (std::string& message : losses_of(content, format)) {
+    file.warnings.push_back({WarningReason::kAttributeNotKept, std::move(message)});
   }
   return file;
 }

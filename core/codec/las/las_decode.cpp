@@ -175,7 +175,7 @@ class LasTable {
   std::vector<std::unique_ptr<std::byte[]>> owned_;
 };
 
-void warn_of_what_is_not_kept(const LasHeader& header, bool keep_everything, std::vector<Warning>& warnings) {
+void warn_of_what_is_not_kept(const LasHeader& header, std::vector<Warning>& warnings) {
   const auto warn = [&warnings](std::string_view message) {
     warnings.push_back({WarningReason::kAttributeNotKept, fmt::format("{}", message)});
   };
@@ -186,9 +186,6 @@ void warn_of_what_is_not_kept(const LasHeader& header, bool keep_everything, std
   if (described < header.record_bytes) {
     warn(fmt::format("the last {} bytes of each point are not kept, because the file does not describe them",
                      header.record_bytes - described));
-  }
-  if (keep_everything && !header.reference_records.is_empty()) {
-    warn("the coordinate reference system is not kept; the coordinates are");
   }
 }
 
@@ -202,11 +199,12 @@ absl::StatusOr<LabeledCloud> decode_las(std::span<const std::byte> bytes, const 
   LabeledCloud out;
   out.warnings = std::move(header.warnings);
   out.has_standard_gps_time = header.has_standard_gps_time;
-  warn_of_what_is_not_kept(header, options.keep_everything, out.warnings);
+  if (options.keep_everything) out.reference_records = header.reference_records.copies();
+  warn_of_what_is_not_kept(header, out.warnings);
   const LasTable points(bytes, header, options.keep_everything, check);
   RETURN_IF_ERROR(check.status());
   PointTable table = points.table();
-  if (header.reference_system && !options.unit) {
+  if (header.reference_system && !options.unit && !header.stated.unit) {
     RETURN_IF_ERROR(use_reference_system(*header.reference_system, check, table, out.warnings));
   }
   RETURN_IF_ERROR(read_points(table, {}, options, stop, out));

@@ -108,21 +108,53 @@ class LasWriter {
     return counts;
   }
 
+  /// Appends the records of the coordinate reference system to `records`. Returns how many they are.
+  std::uint16_t put_reference_system(std::string& records) {
+    std::uint16_t count = 0;
+    for (const auto& [id, payload] : content_.reference_records) {
+      if (payload.size() > std::numeric_limits<std::uint16_t>::max()) {
+        out_.warnings.push_back({WarningReason::kAttributeNotKept,
+                                 fmt::format("record {} of the coordinate reference system is not kept, because it has "
+                                             "{} bytes; the coordinates are",
+                                             id, payload.size())});
+        continue;
+      }
+      records += record(kLasProjectionUser, id, payload);
+      ++count;
+    }
+    return count;
+  }
+
+  /// The statements of a LAS file. The unit is always among them where a reference system might tell another one.
+  std::vector<std::string> statements() const {
+    std::vector<std::string> all = statements_of(content_);
+    if (content_.unit == LengthUnit::kMeter && !content_.reference_records.empty()) {
+      all.push_back(unit_statement(LengthUnit::kMeter));
+    }
+    return all;
+  }
+
   void finish(const std::string& descriptions) {
     std::string records;
     std::uint16_t count = 0;
-    for (const std::string& statement : statements_of(content_)) {
+    for (const std::string& statement : statements()) {
       records += record(kLasStatementUser, static_cast<std::uint16_t>(kLasFirstStatement + count), statement);
       ++count;
     }
+    count += put_reference_system(records);
     if (!descriptions.empty()) {
       records += record(kLasSpecUser, kLasExtraBytesRecord, descriptions);
       ++count;
     }
     std::string header(kHeaderBytes, '\0');
     std::memcpy(header.data(), "LASF", 4);
-    // A reference system, if there were one, would be a text in the formats from 6 on.
-    const unsigned encoding = kLasTextSystem | (content_.has_standard_gps_time ? kLasStandardGpsTime : 0U);
+    // The specification wants a text as reference system in the formats from 6 on. A file that has only GeoKeys keeps
+    // them, and says so, which readers understand.
+    const auto& reference = content_.reference_records;
+    const bool has_keys_alone =
+        !reference.empty() && std::ranges::find(reference, kLasTextRecord, &ReferenceRecord::id) == reference.end();
+    const unsigned encoding =
+        (has_keys_alone ? 0U : kLasTextSystem) | (content_.has_standard_gps_time ? kLasStandardGpsTime : 0U);
     put_number(header, 6, static_cast<std::uint16_t>(encoding));
     put_number<std::uint8_t>(header, 24, 1);
     put_number<std::uint8_t>(header, 25, 4);

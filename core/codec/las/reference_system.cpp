@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -18,7 +19,7 @@ namespace {
 using CoordinateKind = ReferenceSystem::CoordinateKind;
 
 constexpr double kSurveyFoot = 1200.0 / 3937;
-constexpr std::uint16_t kDirectoryRecord = 34735, kDoublesRecord = 34736, kTextRecord = 2112;
+constexpr std::uint16_t kDirectoryRecord = 34735, kDoublesRecord = 34736, kNamesRecord = 34737, kTransformRecord = 2111;
 
 /// The meters of a unit by its number in the registry of EPSG; 0 for other units.
 double meters_of_code(unsigned code) {
@@ -136,28 +137,37 @@ absl::Status refuse_degrees(const PointTable& table, StopCheck& check, std::vect
 }  // namespace
 
 void ReferenceRecords::add(std::uint16_t id, std::span<const std::byte> payload) {
-  is_empty_ = false;
-  const auto keep = [payload](std::optional<std::span<const std::byte>>& place) {
-    if (!place) place = payload;
-  };
-  if (id == kDirectoryRecord) keep(directory_);
-  if (id == kDoublesRecord) keep(doubles_);
-  if (id == kTextRecord) keep(text_);
+  constexpr std::array<std::uint16_t, 5> kNumbers{kDirectoryRecord, kDoublesRecord, kNamesRecord, kTransformRecord,
+                                                  kLasTextRecord};
+  if (std::ranges::find(kNumbers, id) != kNumbers.end() && !find(id)) records_.push_back({id, payload});
+}
+
+std::vector<ReferenceRecord> ReferenceRecords::copies() const {
+  std::vector<ReferenceRecord> all;
+  for (const Record& record : records_) all.push_back({record.id, std::string(as_text(record.payload))});
+  return all;
+}
+
+std::optional<std::span<const std::byte>> ReferenceRecords::find(std::uint16_t id) const {
+  const auto found = std::ranges::find(records_, id, &Record::id);
+  if (found == records_.end()) return std::nullopt;
+  return found->payload;
 }
 
 std::optional<ReferenceSystem> ReferenceRecords::read(bool has_text, std::vector<Warning>& warnings) const {
   constexpr std::size_t kMostText = 65535;  // as much as a record that is not extended can have
-  if (!directory_ && !text_) return std::nullopt;
+  const auto directory = find(kDirectoryRecord), text = find(kLasTextRecord);
+  if (!directory && !text) return std::nullopt;
   std::optional<ReferenceSystem> system;
-  const bool is_from_text = text_ && (has_text || !directory_);
+  const bool is_from_text = text && (has_text || !directory);
   if (is_from_text) {
-    const bool is_short = text_->size() <= kMostText;
-    if (is_short) system = parse_well_known_text(without_end_marks(as_text(*text_)));
+    const bool is_short = text->size() <= kMostText;
+    if (is_short) system = parse_well_known_text(without_end_marks(as_text(*text)));
   } else {
-    system = read_geo_keys(*directory_, doubles_.value_or(std::span<const std::byte>()));
+    system = read_geo_keys(*directory, find(kDoublesRecord).value_or(std::span<const std::byte>()));
   }
   if (!system) {
-    const int record = is_from_text ? kTextRecord : kDirectoryRecord;
+    const int record = is_from_text ? kLasTextRecord : kDirectoryRecord;
     warnings.push_back(
         {WarningReason::kRowsNotUsed,
          fmt::format("record {} is damaged, so that the unit of the coordinate reference system is not used", record)});

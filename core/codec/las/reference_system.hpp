@@ -12,11 +12,15 @@
 #include "absl/status/status.h"
 #include "core/base/stop_check.hpp"
 #include "core/codec/common/point_columns.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/codec/warning.hpp"
 
 // A LAS file describes its coordinates in records of user LASF_Projection ("LAS Specification 1.4 - R15", section
 // 3; "GeoTIFF Format Specification 1.0", sections 2.4 and 6).
 namespace segserve::codec {
+
+/// The number of the record that has the reference system as a text (WKT).
+inline constexpr std::uint16_t kLasTextRecord = 2112;
 
 /// A coordinate reference system, as far as it matters here.
 struct ReferenceSystem {
@@ -29,16 +33,24 @@ struct ReferenceSystem {
 /// The records about the reference system, as they are in the file, which must outlive them.
 class ReferenceRecords {
  public:
-  /// Keeps the payload of a record of user LASF_Projection, unless there was one with this number before.
+  /// Keeps the payload of a record of user LASF_Projection, unless there was one with this number before. Numbers that
+  /// the specification does not have are left out.
   void add(std::uint16_t id, std::span<const std::byte> payload);
-  bool is_empty() const { return is_empty_; }
+  /// Copies of all records, in the order of the file.
+  std::vector<ReferenceRecord> copies() const;
   /// Reads the records. `has_text` is whether the header says that the system is a text, which counts if there are
   /// both. Damaged records are not used, with a warning.
   std::optional<ReferenceSystem> read(bool has_text, std::vector<Warning>& warnings) const;
 
  private:
-  bool is_empty_ = true;
-  std::optional<std::span<const std::byte>> directory_, doubles_, text_;
+  struct Record {
+    std::uint16_t id;
+    std::span<const std::byte> payload;
+  };
+
+  std::optional<std::span<const std::byte>> find(std::uint16_t id) const;
+
+  std::vector<Record> records_;
 };
 
 /// Applies the system to points whose first three fields are x, y and z: sets the table's reference_unit. Heights are

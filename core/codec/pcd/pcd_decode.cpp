@@ -252,6 +252,7 @@ absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const 
   ASSIGN_OR_RETURN(PcdHeader header, parse_pcd_header(file, limits));
   LabeledCloud out;
   out.warnings = std::move(header.warnings);
+  out.viewpoint_rotation = header.viewpoint_rotation;
   RETURN_IF_ERROR(
       BodyReader(header, options, limits, stop, out).read(as_bytes(std::span(file.substr(header.body_offset)))));
   return out;

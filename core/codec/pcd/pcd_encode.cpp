@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <lzf.h>
 
+#include <Eigen/Geometry>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -43,11 +44,12 @@ std::string encode_header(const FileContent& content, const FileTable& table, Pc
   }
   const CloudView& cloud = content.cloud;
   const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
+  const Eigen::Quaterniond rotation = content.viewpoint_rotation.value_or(Eigen::Quaterniond::Identity());
   return fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\n# {}\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\n"
-      "WIDTH {}\nHEIGHT {}\nVIEWPOINT {} {} {} 1 0 0 0\nPOINTS {}\nDATA {}\n",
+      "WIDTH {}\nHEIGHT {}\nVIEWPOINT {} {} {} {} {} {} {}\nPOINTS {}\nDATA {}\n",
       fmt::join(statements_of(content), "\n# "), fields, sizes, types, counts, cloud.width, cloud.height, sensor[0],
-      sensor[1], sensor[2], cloud.size(), name_of(encoding));
+      sensor[1], sensor[2], rotation.w(), rotation.x(), rotation.y(), rotation.z(), cloud.size(), name_of(encoding));
 }
 
 /// The most bytes that LZF writes: a control byte before each 32 bytes, and the space that it wants to have ahead.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -39,6 +39,7 @@ struct PcdHeader {
   std::uint32_t height = 0;
   std::size_t points = 0;                    ///< width * height
   std::optional<Eigen::Vector3d> viewpoint;  ///< its translation, in the file's unit; unset if it is missing
+  std::optional<Eigen::Quaterniond> viewpoint_rotation;  ///< unset if VIEWPOINT is missing or does not turn
   FileStatements stated;
   PcdEncoding encoding = PcdEncoding::kAscii;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -18,6 +20,13 @@ namespace segserve::codec {
 /// The coordinates of N points as a file has them: x, y and z.
 using FilePosition = std::array<std::vector<double>, 3>;
 
+/// A record of a LAS file that describes its coordinate reference system: a variable length record of user
+/// LASF_Projection, by its number, with its payload as it is in the file.
+struct ReferenceRecord {
+  std::uint16_t id = 0;
+  std::string payload;
+};
+
 /// The content of a file: a cloud of N points, and the labels if the file has some.
 struct LabeledCloud {
   Cloud cloud;                       ///< in meters, near the origin: see `placement`
@@ -30,6 +39,11 @@ struct LabeledCloud {
   std::vector<Attribute> attributes;  ///< the other values of the points, if they were asked for
   /// The attribute gps_time is GPS time minus 1e9 s, as LAS may say, and no time of the week.
   bool has_standard_gps_time = false;
+  /// The rotation of VIEWPOINT in a PCD file, if it turns. It goes into PCD files again, and is used for nothing else:
+  /// the points of a file have the axes that it says, however its sensor was turned.
+  std::optional<Eigen::Quaterniond> viewpoint_rotation;
+  /// The coordinate reference system, if everything was asked for. It goes into LAS files again.
+  std::vector<ReferenceRecord> reference_records;
   std::string format;  ///< for people: the format of the file, e.g. "PCD"; set by decode_cloud
 };
 
@@ -41,6 +55,8 @@ struct FileContent {
   const FilePosition* position = nullptr;      ///< the coordinates in the file, or null
   LengthUnit unit = LengthUnit::kMeter;        ///< of the coordinates in the file; not kAuto
   bool has_standard_gps_time = false;          ///< see LabeledCloud
+  std::optional<Eigen::Quaterniond> viewpoint_rotation = std::nullopt;  ///< see LabeledCloud
+  std::span<const ReferenceRecord> reference_records = {};              ///< see LabeledCloud
 };
 
 /// A cloud that was read with ReadOptions::keep_everything, with other labels, as it goes into a file again: with the

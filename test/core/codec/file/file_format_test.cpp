@@ -191,6 +191,24 @@ TEST(FileFormat, RowsAndColumnsThatAFormatCannotHoldAreMentioned) {
   }
 }
 
+TEST(FileFormat, ARotationOfViewpointIsKeptInPcdAndMentionedElsewhere) {
+  const std::string file =
+      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 3 0.5 -0.5 0.5 -0.5\nPOINTS 2\nDATA "
+      "ascii\n0 0 1\n1 0 1\n";
+  const LabeledCloud cloud = read(file);
+  const FileContent content = content_of(cloud, {});
+  for (const FileFormat format : kClouds) {
+    SCOPED_TRACE(static_cast<int>(format));
+    const auto warnings = warnings_of(content, format);
+    if (format == FileFormat::kPcd) {
+      EXPECT_TRUE(warnings.empty());
+      EXPECT_THAT(write(content, format), HasSubstr("\nVIEWPOINT 0 0 3 0.5 -0.5 0.5 -0.5\n"));
+    } else {
+      EXPECT_THAT(warnings, ElementsAre(HasSubstr("the rotation of the file's VIEWPOINT is not kept")));
+    }
+  }
+}
+
 TEST(FileFormat, IntegersThatPlyRoundsAreMentioned) {
   const Cloud cloud = camera_cloud(2, 1);
   constexpr std::int64_t kExact = std::int64_t{1} << 60U;

@@ -220,12 +220,64 @@ TEST(ReferenceSystem, DamagedRecordsAreNotUsed) {
   EXPECT_THAT(messages(read_las(with_extended_record(kText, longer))), ElementsAre(HasSubstr("is damaged")));
 }
 
-TEST(ReferenceSystem, WhereverItStandsItIsNotKept) {
+/// The file that a cloud is written to as LAS.
+EncodedFile written(const LabeledCloud& cloud) {
+  auto file = encode_las(content_of(cloud, {}));
+  EXPECT_TRUE(file.ok()) << file.status();
+  return file.ok() ? *std::move(file) : EncodedFile{};
+}
+
+std::vector<std::pair<std::uint16_t, std::string>> records_of(const LabeledCloud& cloud) {
+  std::vector<std::pair<std::uint16_t, std::string>> all;
+  for (const ReferenceRecord& record : cloud.reference_records) all.emplace_back(record.id, record.payload);
+  return all;
+}
+
+bool says_that_it_is_text(const std::string& file) { return (static_cast<unsigned char>(file[6]) & 0x10U) != 0; }
+
+TEST(ReferenceSystem, GoesIntoLasAgainWhereverItStood) {
   const std::string text = projected_text("\"metre\",1");
   for (const std::string& file : {with_record(kText, text), with_extended_record(kText, text)}) {
-    EXPECT_THAT(messages(read_las(file, {.keep_everything = true})),
-                ElementsAre("the coordinate reference system is not kept; the coordinates are"));
+    const EncodedFile again = written(read_las(file, {.keep_everything = true}));
+    EXPECT_THAT(again.warnings, IsEmpty());
+    EXPECT_TRUE(says_that_it_is_text(again.bytes));
+    EXPECT_THAT(records_of(read_las(again.bytes, {.keep_everything = true})), ElementsAre(std::pair(kText, text)));
   }
+  EXPECT_THAT(records_of(read_las(with_record(kText, text))), IsEmpty()) << "it was not asked for";
+}
+
+TEST(ReferenceSystem, OfKeysStaysOneOfKeys) {
+  constexpr std::uint16_t kNames = 34737, kUnknown = 7;
+  const std::string keys = projected(9002), numbers(24, '\1');
+  LasFile file = las_file(4, 6, 30, 3);
+  file.records = las_record(kProjection, kDirectory, keys) + las_record(kProjection, kDoubles, numbers) +
+                 las_record(kProjection, kNames, "a|b|") + las_record(kProjection, kUnknown, "x");
+  file.record_count = 4;
+  const LabeledCloud cloud = read_las(file.bytes(), {.keep_everything = true});
+  const EncodedFile again = written(cloud);
+  EXPECT_FALSE(says_that_it_is_text(again.bytes));
+  const LabeledCloud reread = read_las(again.bytes, {.keep_everything = true});
+  EXPECT_THAT(records_of(reread), ElementsAre(std::pair(kDirectory, keys), std::pair(kDoubles, numbers),
+                                              std::pair(kNames, std::string("a|b|"))));
+  EXPECT_EQ(reread.placement.meters_per_unit(), cloud.placement.meters_per_unit());
+}
+
+TEST(ReferenceSystem, AGivenUnitWinsInTheFileThatIsWrittenToo) {
+  const std::string geographic = directory({{1024, 0, 1, 2}});
+  for (const std::string& keys : {projected(9002), geographic}) {
+    for (const LengthUnit unit : {LengthUnit::kMeter, LengthUnit::kMillimeter}) {
+      const EncodedFile again =
+          written(read_las(with_record(kDirectory, keys), {.unit = unit, .keep_everything = true}));
+      EXPECT_EQ(read_las(again.bytes).placement.meters_per_unit(), meters_per_unit(unit));
+    }
+  }
+}
+
+TEST(ReferenceSystem, BeyondARecordsLengthIsMentioned) {
+  const std::string longer = projected_text("\"foot\",0.3048") + std::string(70'000, ' ');
+  const EncodedFile again = written(read_las(with_extended_record(kText, longer), {.keep_everything = true}));
+  ASSERT_EQ(again.warnings.size(), 1);
+  EXPECT_THAT(again.warnings[0].message, HasSubstr("record 2112 of the coordinate reference system is not kept"));
 }
 
 }  // namespace
