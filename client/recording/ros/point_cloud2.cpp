@@ -16,6 +16,7 @@ namespace {
 constexpr std::uint32_t kMaxFields = 4096;
 constexpr std::size_t kLeastFieldBytes = 4 + 4 + 1 + 4;  // an empty name, offset, datatype and count
 constexpr std::size_t kLabelBytes = 4;
+constexpr std::string_view kInputLabel = "input_label";  // of labels that were there, as in files
 constexpr std::uint32_t kLargest = std::numeric_limits<std::uint32_t>::max();
 
 void write_label(char* to, std::uint32_t label, bool is_bigendian) {
@@ -35,10 +36,15 @@ LabeledPoints overwrite_labels(const codec::StridedLayout& layout, std::string_v
   return out;
 }
 
+bool has_field(const codec::StridedLayout& layout, std::string_view name) {
+  return std::ranges::find(layout.fields, name, &codec::PointField::name) != layout.fields.end();
+}
+
 absl::StatusOr<codec::StridedLayout> with_label(const codec::StridedLayout& layout) {
   codec::StridedLayout out = layout;
+  const std::string_view new_name = has_field(layout, kInputLabel) ? "label_before" : kInputLabel;
   for (codec::PointField& field : out.fields) {
-    if (field.name == "label") field.name = "label_before";
+    if (field.name == "label") field.name = new_name;
   }
   const std::uint64_t offset = (std::uint64_t{layout.point_step} + kLabelBytes - 1) / kLabelBytes * kLabelBytes;
   const std::uint64_t step = offset + kLabelBytes;
@@ -103,7 +109,8 @@ std::string encode_point_cloud2(const PointCloud2& cloud, RosWire wire) {
 absl::StatusOr<LabeledPoints> add_labels(const codec::StridedLayout& layout, std::string_view data,
                                          std::span<const std::uint32_t> labels) {
   const auto old = std::ranges::find(layout.fields, "label", &codec::PointField::name);
-  if (old != layout.fields.end() && old->datatype == codec::PointDatatype::kUint32 && old->count <= 1) {
+  const bool is_ours = old != layout.fields.end() && old->datatype == codec::PointDatatype::kUint32 && old->count <= 1;
+  if (is_ours && has_field(layout, kInputLabel)) {
     return overwrite_labels(layout, data, old->offset, labels);
   }
   LabeledPoints out;

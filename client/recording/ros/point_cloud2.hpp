@@ -34,9 +34,10 @@ struct LabeledPoints {
   std::string data;
 };
 
-/// Adds the field `label`, UINT32, behind the other fields of every point. A field `label` of that type, as from an
-/// earlier run, gets the new values instead; one of another type is renamed to `label_before`. `labels` has an entry a
-/// point, and `data` layout.bytes() bytes. INVALID_ARGUMENT if a point or row becomes too large for PointCloud2.
+/// Adds the field `label`, UINT32, behind the other fields of every point. A field `label` that is there is renamed to
+/// `input_label`. If there is one of that name, too, as from an earlier run, a label of type UINT32 gets the new
+/// values, and another one is renamed to `label_before`. `labels` has an entry a point, and `data` layout.bytes()
+/// bytes. INVALID_ARGUMENT if a point or row becomes too large for PointCloud2.
 absl::StatusOr<LabeledPoints> add_labels(const codec::StridedLayout& layout, std::string_view data,
                                          std::span<const std::uint32_t> labels);
 

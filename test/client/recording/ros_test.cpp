@@ -96,20 +96,28 @@ TEST(PointCloud2, LabelsAreAddedBehindTheOtherFields) {
   EXPECT_EQ(labeled->data, "AAAA\1\0\0\0BBBB\2\0\0\0CCCC\3\0\0\0DDDD\4\3\2\1"sv);
 }
 
-TEST(PointCloud2, LabelsOfAnEarlierRunAreReplacedAndOthersRenamed) {
-  std::string data("AAAA\7\0\0\0", 8);
-  codec::StridedLayout layout{1, 1, {{"label", 4, codec::PointDatatype::kUint32, 1}}, 8, 8, true};
-  auto labeled = add_labels(layout, data, std::vector<std::uint32_t>{1});
-  ASSERT_TRUE(labeled.ok());
-  EXPECT_EQ(labeled->layout.fields.size(), 1U);
-  EXPECT_EQ(labeled->data, "AAAA\0\0\0\1"sv) << "in the byte order of the cloud";
+TEST(PointCloud2, LabelsThatAreThereAreKeptOnce) {
+  using Type = codec::PointDatatype;
+  const std::string data("AAAA\7\0\0\0", 8);
+  for (const Type type : {Type::kUint32, Type::kFloat32}) {
+    const codec::StridedLayout layout{1, 1, {{"label", 4, type, 1}}, 8, 8, true};
+    const auto labeled = add_labels(layout, data, std::vector<std::uint32_t>{1});
+    ASSERT_TRUE(labeled.ok());
+    ASSERT_EQ(labeled->layout.fields.size(), 2U);
+    EXPECT_EQ(labeled->layout.fields[0].name, "input_label");
+    EXPECT_EQ(labeled->layout.fields[1].name, "label");
+    EXPECT_EQ(labeled->data, "AAAA\7\0\0\0\0\0\0\1"sv) << "in the byte order of the cloud";
 
-  layout.fields[0].datatype = codec::PointDatatype::kFloat32;
-  labeled = add_labels(layout, data, std::vector<std::uint32_t>{1});
+    const auto again = add_labels(labeled->layout, labeled->data, std::vector<std::uint32_t>{2});
+    ASSERT_TRUE(again.ok());
+    EXPECT_EQ(again->layout.fields.size(), 2U) << "the labels of an earlier run are replaced";
+    EXPECT_EQ(again->data, "AAAA\7\0\0\0\0\0\0\2"sv);
+  }
+  const codec::StridedLayout both{1, 1, {{"input_label", 0, Type::kUint32, 1}, {"label", 4, Type::kFloat32, 1}}, 8, 8};
+  const auto labeled = add_labels(both, data, std::vector<std::uint32_t>{1});
   ASSERT_TRUE(labeled.ok());
-  EXPECT_EQ(labeled->layout.fields[0].name, "label_before");
-  EXPECT_EQ(labeled->layout.fields[1].name, "label");
-  EXPECT_EQ(labeled->data, "AAAA\7\0\0\0\0\0\0\1"sv);
+  EXPECT_EQ(labeled->layout.fields[0].name, "input_label");
+  EXPECT_EQ(labeled->layout.fields[1].name, "label_before");
 }
 
 }  // namespace
