@@ -114,6 +114,9 @@ class Decoder {
 
   /// Keeps the first warning that says that pixels are lost, or else the first one.
   void take_message(int level) {
+    // The library has a message of a level above 0 for each marker, of which there may be millions before the pixels.
+    constexpr std::uint64_t kMarkerUnits = 16;
+    if (level > 0 && check_.after(kMarkerUnits)) std::longjmp(jump_, 1);  // NOLINT(cert-err52-cpp)
     const int code = errors_.msg_code;
     if (level >= 0 || code == JWRN_JFIF_MAJOR || code == JWRN_ADOBE_XFORM) return;
     ended_ = ended_ || code == JWRN_JPEG_EOF;
@@ -165,7 +168,10 @@ bool is_jpeg(std::string_view bytes) { return bytes.starts_with("\xff\xd8\xff");
 absl::StatusOr<JpegImage> decode_jpeg(std::string_view bytes, const DecodeLimits& limits, StopCheck& check) {
   if (!is_jpeg(bytes)) return fault("the bytes do not begin with a JPEG signature");
   Decoder decoder(bytes, check);
-  if (!decoder.read_header()) return fault(decoder.error());
+  if (!decoder.read_header()) {
+    RETURN_IF_ERROR(check.status());
+    return fault(decoder.error());
+  }
   JpegImage result;
   result.image.size = decoder.size();
   constexpr std::size_t kPixelBytes = 3;

@@ -51,7 +51,7 @@ absl::StatusOr<PngHeader> read_header(std::string_view bytes) {
 struct Source {
   const char* at;               ///< the next byte
   std::size_t left;             ///< bytes from `at` on
-  StopCheck* check;             ///< counts the pixels
+  StopCheck* check;             ///< counts the pixels, and what is read: an image may have chunks without end
   std::array<char, 160> error;  ///< the message of the last error
 };
 
@@ -61,6 +61,8 @@ void read_bytes(png_structp png, png_bytep out, std::size_t size) {
   std::memcpy(out, source->at, size);
   source->at += size;
   source->left -= size;
+  constexpr std::size_t kBytesPerUnit = 16;
+  if (source->check->after(1 + size / kBytesPerUnit)) png_longjmp(png, 1);
 }
 
 [[noreturn]] void keep_error(png_structp png, png_const_charp message) {

@@ -174,6 +174,24 @@ TEST(Jpeg, CoefficientsCountAsMemory) {
   expect_over_limit(jpeg_of(smooth_jpeg(true), limits).status(), "max_bytes", "JPEG: ");
 }
 
+TEST(Jpeg, ItIsStoppedAmongItsMarkers) {
+  const std::string jpeg = smooth_jpeg();
+  std::string comments;
+  for (int i = 0; i < 100'000; ++i) comments += std::string("\xff\xfe\0\2", 4);
+  WorkMeter meter;
+  const StopToken counted(nullptr, std::nullopt, &meter);
+  {
+    StopCheck check(counted);
+    EXPECT_TRUE(decode_jpeg(jpeg.substr(0, 2) + comments + jpeg.substr(2), {}, check).ok());
+  }
+  EXPECT_GT(meter.units(), 100'000U);
+  const std::atomic<bool> cancelled = true;
+  const StopToken stop(&cancelled, std::nullopt);
+  StopCheck check(stop);
+  // The file ends before its pixels, so that only the markers can hear the stop.
+  EXPECT_TRUE(absl::IsCancelled(decode_jpeg(jpeg.substr(0, 2) + comments, {}, check).status()));
+}
+
 TEST(Jpeg, ItIsStopped) {
   const std::atomic<bool> cancelled = true;
   const StopToken stop(&cancelled, std::nullopt);

@@ -182,6 +182,27 @@ TEST(Rgbd, DamageIsRefusedOrDecodedWithinBounds) {
   for (const std::string& bytes : {pgm, text, pfm}) expect_flips_survived(bytes, damaged_depth);
 }
 
+TEST(Rgbd, APngIsStoppedAmongItsChunks) {
+  constexpr std::size_t kEndOfHeader = 33;
+  constexpr int kChunks = 20'000;
+  const std::string png = color_png();
+  std::string chunks;  // without content, of a kind that readers may leave out
+  for (int i = 0; i < kChunks; ++i) chunks += std::string("\0\0\0\0", 4) + "aaAa" + std::string("\0\0\0\0", 4);
+  WorkMeter meter;
+  const StopToken counted(nullptr, std::nullopt, &meter);
+  {
+    StopCheck check(counted);
+    const auto image = decode_png_color(png.substr(0, kEndOfHeader) + chunks + png.substr(kEndOfHeader), {}, check);
+    EXPECT_TRUE(image.ok()) << image.status();
+  }
+  EXPECT_GT(meter.units(), kChunks);
+  const std::atomic<bool> cancelled = true;
+  const StopToken stop(&cancelled);
+  StopCheck check(stop);
+  // The file ends before its pixels, so that only the chunks can hear the stop.
+  EXPECT_TRUE(absl::IsCancelled(decode_png_color(png.substr(0, kEndOfHeader) + chunks, {}, check).status()));
+}
+
 TEST(Rgbd, ItIsStopped) {
   const std::atomic<bool> cancelled = true;
   const StopToken stop(&cancelled);
