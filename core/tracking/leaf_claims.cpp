@@ -120,33 +120,41 @@ std::uint32_t box_around(const SceneTree& scene, std::span<const PredictedTrack>
 
 }  // namespace
 
-LeafIndex::LeafIndex(const SceneTree& scene) : begin_(std::size_t{kCells} * kCells + 1, 0) {
-  const std::size_t m = scene.leaf_count();
-  leaves_.resize(m), centers_.resize(m);
-  if (m == 0) return;
-  Vec3 low = scene.leaf_center(0), high = low;
-  for (std::size_t leaf = 0; leaf < m; ++leaf) {
-    const Vec3& p = scene.leaf_center(leaf);
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), 0};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y), 0};
-  }
-  constexpr double kLeastCell = 2;  // radii of supervoxels
-  const auto axis = [&](double first, double last) {
-    const double cell = std::max((last - first) / kCells, kLeastCell * scene.leaf_radius());
-    return Axis{first, cell > 0 ? 1 / cell : 0};
-  };
-  x_ = axis(low.x, high.x), y_ = axis(low.y, high.y);
-  const auto cell = [&](std::size_t leaf) {
-    const Vec3& p = scene.leaf_center(leaf);
-    return std::size_t{y_.cell(p.y)} * kCells + x_.cell(p.x);
-  };
-  for (std::size_t leaf = 0; leaf < m; ++leaf) ++begin_[cell(leaf) + 1];
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+LeafIndex::LeafIndex(const SceneTree& scene) {
+  const double height = kLongestReach * scene.leaf_radius();
+  rows_per_meter_ = height > 0 ? 1 / height : 0;
+  const auto m = static_cast<std::uint32_t>(scene.leaf_count());
+  std::vector<Row> row_of_leaf(m);
   for (std::uint32_t leaf = 0; leaf < m; ++leaf) {
-    const std::uint32_t i = next[cell(leaf)]++;
-    leaves_[i] = leaf, centers_[i] = scene.leaf_center(leaf);
+    const Vec3& p = scene.leaf_center(leaf);
+    row_of_leaf[leaf] = {row_of(p.z), row_of(p.y), 0};
   }
+  leaves_.resize(m);
+  std::iota(leaves_.begin(), leaves_.end(), 0U);
+  std::ranges::sort(leaves_, [&](std::uint32_t a, std::uint32_t b) {
+    if (row_of_leaf[a] != row_of_leaf[b]) return row_of_leaf[a] < row_of_leaf[b];
+    return scene.leaf_center(a).x < scene.leaf_center(b).x;
+  });
+  centers_.reserve(m);
+  for (const std::uint32_t leaf : leaves_) {
+    Row row = row_of_leaf[leaf];
+    const bool is_new = rows_.empty() || rows_.back().z != row.z || rows_.back().y != row.y;
+    row.begin = static_cast<std::uint32_t>(centers_.size());
+    if (is_new) rows_.push_back(row);
+    centers_.push_back(scene.leaf_center(leaf));
+  }
+  rows_.push_back({std::numeric_limits<std::int64_t>::max(), 0, m});
+}
+
+std::int64_t LeafIndex::row_of(double v) const {
+  constexpr double kMost = 1e15;  // beyond which doubles do not tell rows apart
+  const double row = std::floor(v * rows_per_meter_);
+  return row >= -kMost ? static_cast<std::int64_t>(std::min(row, kMost)) : static_cast<std::int64_t>(-kMost);
+}
+
+std::uint32_t LeafIndex::first_behind(const Row& row, double limit) const {
+  const auto begin = centers_.begin() + row.begin, end = centers_.begin() + (&row)[1].begin;
+  return static_cast<std::uint32_t>(std::ranges::lower_bound(begin, end, limit, {}, &Vec3::x) - centers_.begin());
 }
 
 absl::Status find_shifts(const SceneTree& scene, const LeafIndex& index, double seconds, double max_speed,

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -17,40 +19,49 @@ namespace segserve::tracking {
 
 inline constexpr std::uint32_t kNoTrack = std::numeric_limits<std::uint32_t>::max();
 
-/// Finds the leaves near a place: a grid of cells in x and y, none of which is smaller than a supervoxel.
+/// Finds the leaves near a place. They lie in rows along x, each a few supervoxels high and deep, wherever others are.
 class LeafIndex {
  public:
   explicit LeafIndex(const SceneTree& scene);
 
-  /// Calls each(leaf, squared distance) for the leaves within `radius` meters of a place.
+  /// Calls each(leaf, squared distance) for the leaves within `radius` meters of a place, in any order.
   template <typename Each>
   void for_each_near(const Vec3& place, double radius, Each&& each) const {
-    const std::uint32_t first = x_.cell(place.x - radius), last = x_.cell(place.x + radius);
-    for (std::uint32_t row = y_.cell(place.y - radius); row <= y_.cell(place.y + radius); ++row) {
-      const std::size_t cells = std::size_t{row} * kCells;
-      for (std::uint32_t i = begin_[cells + first]; i < begin_[cells + last + 1]; ++i) {
-        const Vec3 d = centers_[i] - place;
-        const double squared = dot(d, d);
-        if (squared <= radius * radius) each(leaves_[i], squared);
+    const auto [low_y, high_y] = rows_around(place.y, radius);
+    const auto [low_z, high_z] = rows_around(place.z, radius);
+    for (std::int64_t z = low_z; z <= high_z; ++z) {
+      for (auto row = std::ranges::lower_bound(rows_, Row{z, low_y, 0}); row < rows_.end() - 1 && row->is_at(z, high_y);
+           ++row) {
+        for (std::uint32_t i = first_behind(*row, place.x - radius); i < row[1].begin; ++i) {
+          const Vec3 d = centers_[i] - place;
+          if (d.x > radius) break;
+          const double squared = dot(d, d);
+          if (squared <= radius * radius) each(leaves_[i], squared);
+        }
       }
     }
   }
 
  private:
-  static constexpr std::uint32_t kCells = 64;  ///< along each axis
-
-  /// Cells along an axis; the first and the last hold whatever lies beyond them.
-  struct Axis {
-    double low = 0, cells_per_meter = 0;
-    std::uint32_t cell(double v) const {
-      const double exact = (v - low) * cells_per_meter;
-      return exact >= 1 ? static_cast<std::uint32_t>(std::min(exact, kCells - 1.0)) : 0;  // also for NaN
-    }
+  /// The leaves from `begin` on, up to that of the next row.
+  struct Row {
+    std::int64_t z, y;
+    std::uint32_t begin;
+    /// Whether the row is in this layer, and not behind the last row.
+    bool is_at(std::int64_t layer, std::int64_t last) const { return z == layer && y <= last; }
+    auto operator<=>(const Row&) const = default;
   };
 
-  Axis x_, y_;
-  std::vector<std::uint32_t> begin_;   // kCells^2 + 1: of each cell in the lists below
-  std::vector<std::uint32_t> leaves_;  // by cell, row by row
+  std::int64_t row_of(double v) const;
+  std::pair<std::int64_t, std::int64_t> rows_around(double v, double radius) const {
+    return {row_of(v - radius), row_of(v + radius)};
+  }
+  /// The first leaf of a row whose x is not below the limit.
+  std::uint32_t first_behind(const Row& row, double limit) const;
+
+  double rows_per_meter_ = 0;
+  std::vector<Row> rows_;              // by z, then y; the last one is behind all leaves
+  std::vector<std::uint32_t> leaves_;  // by row, then x
   std::vector<Vec3> centers_;          // of these
 };
 
