@@ -162,7 +162,7 @@ class HttpSession {
     }
     const Clock::time_point begin = Clock::now();
     std::vector<char> piece(kPiece);
-    std::uint64_t steps = 0;
+    std::uint64_t steps = 0, reserved = 0;
     while (!parser.is_done()) {
       parser.get().body().data = piece.data();
       parser.get().body().size = piece.size();
@@ -178,11 +178,12 @@ class HttpSession {
       const std::size_t received = piece.size() - parser.get().body().size;
       const std::uint64_t most = parser.content_length().value_or(upload.most_bytes());
       const std::uint64_t needed = body.size() + received;
-      if (needed > most || needed > body.capacity()) {
+      if (needed > most || needed > reserved) {
         // A body beyond the limit asks for more than that, and is refused.
         const std::uint64_t wanted = std::max(needed, std::min<std::uint64_t>(most, 2 * needed));
         if (auto refusal = upload.reserve(wanted)) co_return *std::move(refusal);
         body.reserve(wanted);
+        reserved = wanted;
       }
       body.append(piece.data(), received);
     }

@@ -185,6 +185,13 @@ class Http(EndToEnd):
         self.assertEqual(status, 200, body[:300])
         self.assertEqual(json.loads(body)["points"], WIDTH * HEIGHT)
 
+    def test_bodies_of_a_few_bytes(self):
+        for size in (1, 6, 15, 16, 40):
+            content = (b"1 2 3\n" * 7)[:size]
+            for body in (content, (content[at:at + 5] for at in range(0, size, 5))):
+                status, _, answer = self.server.request("POST", "/v1/segment", body)
+                self.assertEqual(status, 200 if size >= 6 else 400, (size, answer[:300]))
+
     def test_bodies_are_bounded_exactly(self):
         limit = 1 << 20
         server = WebServer(self.folder, "--stream-bytes", str(limit))
