@@ -71,6 +71,7 @@ class ChannelEvidence {
   double largest() const { return largest_; }
   bool is_in_range() const { return count_ > 0 && smallest_ >= 0 && largest_ <= 65535; }
   bool has_decimals() const { return !is_whole_; }
+  bool is_constant() const { return smallest_ == largest_; }
   /// Whether the channel has whole numbers of which some are neither 0 nor 1, nor all the same.
   bool has_levels() const { return is_whole_ && largest_ > 1 && smallest_ < largest_; }
   bool rises_with_rows(std::size_t points) const {
@@ -85,21 +86,26 @@ class ChannelEvidence {
   bool is_whole_ = true, rises_ = true;
 };
 
-/// Whether three columns are alike, as the channels of a color are: none has levels where another one has decimals, the
-/// largest values are of one magnitude, unless they are 0, and they are not as small as classes, returns or flags are.
-/// The last columns may be full colors, of 0 and 1.
+/// Whether three columns are alike, as the channels of a color are: none has levels where another one has decimals, nor
+/// are two always the same whole number beside one that varies, nor is any whole where decimals exceed 1; the largest
+/// values are of one magnitude, unless they are 0, and they are not as small as classes, returns or flags are. The last
+/// columns may be full colors, of 0 and 1.
 bool are_channels(const std::array<ChannelEvidence, 3>& channels, bool are_last) {
   constexpr double kFewestLevels = 16, kMostAlike = 30;
   double smallest = std::numeric_limits<double>::infinity(), largest = 0;
-  bool has_decimals = false, has_levels = false;
+  bool has_levels = false, varies = false;
+  std::size_t whole = 0, constant = 0;
   for (const ChannelEvidence& channel : channels) {
     if (!channel.is_in_range()) return false;
-    has_decimals = has_decimals || channel.has_decimals();
+    whole += channel.has_decimals() ? 0 : 1;
+    constant += !channel.has_decimals() && channel.is_constant() ? 1 : 0;
+    varies = varies || !channel.is_constant();
     has_levels = has_levels || channel.has_levels();
     if (channel.largest() > 0) smallest = std::min(smallest, channel.largest());
     largest = std::max(largest, channel.largest());
   }
-  if (has_decimals && has_levels) return false;
+  const bool has_decimals = whole < channels.size();
+  if (has_decimals && (has_levels || (constant == 2 && varies) || (whole > 0 && largest > 1))) return false;
   if (!has_decimals && largest < kFewestLevels && (has_levels || !are_last)) return false;
   return largest == 0 || largest <= kMostAlike * smallest;
 }
@@ -161,6 +167,11 @@ class ColumnNamer {
     const bool could_be = names_.size() == kIntensity && (left() == 4 || left() == 5) && is_color(kColorBehind);
     if (!could_be) return false;
     if (left() == 4 && is_full(kLastBlue) && !is_full(kLastBlue - 1)) return false;  // It is an alpha.
+    const bool are_bytes_here = are_bytes(kIntensity), are_bytes_behind = are_bytes(kColorBehind);
+    if (are_bytes_here != are_bytes_behind) {
+      is_ambiguous_ = true;
+      return are_bytes_behind;
+    }
     if (left() == 5) return is_label(kLabel, kColorBehind) && !is_label(kLastBlue, kIntensity);
     is_ambiguous_ = true;
     return !is_label(kLastBlue, kIntensity);
@@ -186,6 +197,15 @@ class ColumnNamer {
       are_fractions = are_all(i, [](double value) { return value <= 1; });
     }
     return are_fractions;
+  }
+
+  /// Whether the values of the three columns from `first` on are at most 255.
+  bool are_bytes(std::size_t first) {
+    bool fits = true;
+    for (std::size_t i = first; i < first + 3; ++i) {
+      fits = fits && are_all(i, [](double value) { return !(value > 255); });
+    }
+    return fits;
   }
 
   template <typename Predicate>
@@ -258,6 +278,43 @@ class ColumnNamer {
   bool has_normal_ = false, is_ambiguous_ = false;
 };
 
+/// Whether the first two columns are the row and the column of each point in a grid, in either order, as scanners
+/// export them: whole numbers that go through the grid row by row, in front of coordinates with decimals.
+bool begins_with_grid(std::span<const Column> columns, std::size_t points, StopCheck& check) {
+  constexpr std::size_t kFewest = 12;
+  constexpr double kMostCells = 100'000;
+  if (columns.size() < 5 || points < kFewest) return false;
+  std::vector<double> outer(points);
+  bool fits = true;
+  for_each_value(columns[0], points, check, [&](std::size_t i, auto value) {
+    outer[i] = static_cast<double>(value);
+    fits = fits && outer[i] >= 0 && outer[i] <= kMostCells && outer[i] == std::floor(outer[i]);
+  });
+  double last = -1;
+  std::size_t returns = 0;
+  for_each_value(columns[1], points, check, [&](std::size_t i, auto value) {
+    const auto inner = static_cast<double>(value);
+    fits = fits && inner >= 0 && inner <= kMostCells && inner == std::floor(inner);
+    if (i > 0) {
+      const bool is_next = outer[i] == outer[i - 1] && inner > last;
+      const bool returns_here = outer[i] > outer[i - 1];
+      fits = fits && (is_next || returns_here);
+      returns += returns_here && inner < last ? 1 : 0;
+    }
+    last = inner;
+  });
+  for (std::size_t axis = 2; axis < 5 && fits; ++axis) {
+    bool has_decimals = false;
+    for_each_value(columns[axis], points, check, [&](std::size_t, auto value) {
+      const auto number = static_cast<double>(value);
+      has_decimals = has_decimals || (std::isfinite(number) && number != std::floor(number));
+    });
+    fits = has_decimals;
+  }
+  // A map of heights has normals behind x, y and z.
+  return fits && returns > 0 && ColumnNamer(columns, 0, points, check).run()[3] != kNormal[0];
+}
+
 /// Whether the first column has the numbers of the points. Coordinates may count the rows, too, if a triple of colors
 /// or normals follows the three of them.
 bool begins_with_numbers(std::span<const Column> columns, std::size_t points, StopCheck& check) {
@@ -271,12 +328,17 @@ bool begins_with_numbers(std::span<const Column> columns, std::size_t points, St
 std::vector<std::string> name_columns(const std::vector<Column>& columns, std::size_t points, StopCheck& check,
                                       std::vector<Warning>& warnings, bool has_row_numbers) {
   const std::span<const Column> all = columns;
-  const bool has_numbers = all.size() > 3 && (has_row_numbers || begins_with_numbers(all, points, check));
-  const std::size_t before = has_numbers ? 1 : 0;
+  std::vector<std::string> names;
+  if (all.size() > 3 && (has_row_numbers || begins_with_numbers(all, points, check))) {
+    names = {"point_number"};
+  } else if (begins_with_grid(all, points, check)) {
+    names = {"row", "column"};
+  }
+  const std::size_t before = names.size();
   ColumnNamer namer(all.subspan(before), before, points, check);
-  std::vector<std::string> names = namer.run();
-  if (has_numbers) names.insert(names.begin(), "point_number");
-  if (has_numbers || !namer.is_plain()) {
+  const std::vector<std::string> others = namer.run();
+  names.insert(names.end(), others.begin(), others.end());
+  if (before > 0 || !namer.is_plain()) {
     warnings.push_back({WarningReason::kOther,
                         fmt::format("the columns have no names, and are taken as: {}; a first line with their names "
                                     "tells what they are",

@@ -62,6 +62,58 @@ TEST(UnnamedColumns, AnIntensityMayStandOnEitherSideOfAColor) {
   EXPECT_EQ(las.cloud.rgb, before.cloud.rgb) << las.warnings.at(0).message;
 }
 
+TEST(UnnamedColumns, AColorOfBytesComesBeforeOneOfLargerNumbers) {
+  const auto color = [](int i) { return fmt::format("{} {} {}", i * 7 % 256, i * 13 % 256, i * 29 % 200); };
+  const std::vector<std::uint32_t> rgb = read_table(rows(color)).cloud.rgb;
+  for (const int most : {300, 2000}) {  // instances, or an intensity of 12 bits
+    const auto other = [most](int i) { return i * 7919 % most; };
+    const LabeledCloud behind = read_table(rows([&](int i) { return fmt::format("{} {}", color(i), other(i)); }));
+    EXPECT_EQ(behind.cloud.rgb, rgb) << most;
+    const LabeledCloud before = read_table(rows([&](int i) { return fmt::format("{} {}", other(i), color(i)); }));
+    EXPECT_EQ(before.cloud.rgb, rgb) << most;
+    const LabeledCloud both =
+        read_table(rows([&](int i) { return fmt::format("{} {} {}", other(i), color(i), 0.37 * (i * 31 % 97)); }));
+    EXPECT_EQ(both.cloud.rgb, rgb) << most;
+  }
+}
+
+TEST(UnnamedColumns, ADecimalBesideAConstantColorIsNoneOfItsChannels) {
+  for (const std::string_view color : {"0 0 0", "255 255 255", "10 20 30"}) {
+    for (const double scale : {2.55, 0.01}) {
+      const LabeledCloud cloud =
+          read_table(rows([&](int i) { return fmt::format("{} {}", color, scale * (i * 7919 % 100)); }));
+      const bool is_black = color == "0 0 0";  // which is as good as none
+      EXPECT_EQ(cloud.cloud.has_color(), !is_black) << color << " " << scale;
+      ASSERT_EQ(cloud.attributes.size(), is_black ? 4U : 1U) << color << " " << scale;
+      EXPECT_EQ(cloud.attributes.back().name, "column_7") << color << " " << scale;
+    }
+  }
+}
+
+TEST(UnnamedColumns, ARowAndAColumnOfAGridMayComeFirst) {
+  const auto exported = [](const std::string& rest, bool has_gaps) {
+    std::string text;
+    for (int row = 3; row < 15; ++row) {
+      for (int column = 0; column < 20; ++column) {
+        if (has_gaps && (row * 20 + column) % 7 == 0) continue;
+        text += fmt::format("{} {} {:.3f} {:.3f} {:.3f}{}\n", row, column, 0.11 * column, 0.13 * row, 2.001, rest);
+      }
+    }
+    return text;
+  };
+  for (const std::string rest : {"", " 9 8 7", " 0.5"}) {
+    for (const bool has_gaps : {false, true}) {
+      const LabeledCloud cloud = read_table(exported(rest, has_gaps));
+      EXPECT_THAT(cloud.warnings.at(0).message, HasSubstr("are taken as: row column x y z")) << rest;
+      EXPECT_EQ(cloud.cloud.z[0], 2.001F);
+      EXPECT_EQ(cloud.cloud.has_color(), rest.size() > 4);
+    }
+  }
+  std::string heights;  // a map with a height and a normal at each whole x and y
+  for (int i = 0; i < 200; ++i) heights += fmt::format("{} {} {} 0.6 0 0.8\n", i / 20, i % 20, 0.25 * (i % 3));
+  EXPECT_EQ(read_table(heights).cloud.x[25], 1);
+}
+
 TEST(UnnamedColumns, ColorsMayBeMissing) {
   for (const char* missing : {"nan nan nan", "-1 -1 -1"}) {
     const LabeledCloud cloud =
