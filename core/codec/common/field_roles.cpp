@@ -38,12 +38,19 @@ const std::array<ColorNames, 12> kUsualColors{{
 }};
 
 /// Each pair is the text before and behind r, g and b, or red, green and blue, in a name.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kAroundChannel{{
-    {"diffuse_", ""}, {"color_", ""}, {"colour_", ""}, {"scalar_", ""}, {"vertex_", ""}, {"vertex_color_", ""},
-    {"rgb_", ""},     {"col_", ""},   {"c_", ""},      {"color.", ""},  {"color", ""},   {"colour", ""},
-    {"c", ""},        {"", "f"},      {"", "8"},       {"", "16"},      {"", "255"},     {"", "_channel"},
-    {"", "_color"},   {"", "_value"},
+constexpr std::array<std::pair<std::string_view, std::string_view>, 25> kAroundChannel{{
+    {"diffuse_", ""}, {"color_", ""}, {"colour_", ""}, {"scalar_", ""}, {"vertex_", ""},  {"vertex_color_", ""},
+    {"rgb_", ""},     {"col_", ""},   {"c_", ""},      {"color.", ""},  {"color", ""},    {"colour", ""},
+    {"c", ""},        {"", "f"},      {"", "8"},       {"", "16"},      {"", "255"},      {"", "_channel"},
+    {"", "_color"},   {"", "_value"}, {"col.", ""},    {"cd.", ""},     {"diffuse.", ""}, {"rgb.", ""},
+    {"", "_8bit"},
 }};
+
+/// The channels of a color that are numbered, from 0 or 1 on, have a word and the number, with this before and behind
+/// it: rgb:0, color[1], rgb_2.
+constexpr std::array<std::string_view, 7> kNumberedColors{"rgb", "rgba", "color", "colors", "colour", "colours", "col"};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kAroundNumber{
+    {{":", ""}, {"_", ""}, {"[", "]"}, {".", ""}, {"", ""}}};
 
 std::vector<ColorNames> make_color_names() {
   std::vector<ColorNames> all(kUsualColors.begin(), kUsualColors.end());
@@ -52,6 +59,15 @@ std::vector<ColorNames> make_color_names() {
       ColorNames names = usual;
       for (std::string& name : names.names) name = fmt::format("{}{}{}", before, name, behind);
       all.push_back(std::move(names));
+    }
+  }
+  for (const std::string_view word : kNumberedColors) {
+    for (const auto& [before, behind] : kAroundNumber) {
+      for (const int first : {0, 1}) {
+        ColorNames names;
+        for (int i = 0; i < 3; ++i) names.names[i] = fmt::format("{}{}{}{}", word, before, first + i, behind);
+        all.push_back(std::move(names));
+      }
     }
   }
   return all;
@@ -98,18 +114,60 @@ class FieldNames {
     return exact ? exact : find_triple(lower_, names);
   }
   const Names& exact() const { return exact_; }
-  std::string_view lower(std::size_t i) const { return lower_[i]; }
 
  private:
   std::vector<std::string> lower_text_;
   Names exact_, lower_;
 };
 
-bool looks_like_color(std::string_view lower_name) {
-  constexpr std::array<std::string_view, 3> kChannels{"r", "g", "b"};
-  constexpr std::array<std::string_view, 8> kParts{"rgb", "bgr", "red", "green", "blue", "color", "colour", "f_dc"};
-  const auto is_part = [lower_name](std::string_view part) { return lower_name.find(part) != std::string_view::npos; };
-  return std::ranges::find(kChannels, lower_name) != kChannels.end() || std::ranges::any_of(kParts, is_part);
+/// The words of a name in small letters: what stands between other characters than letters, or begins with a capital
+/// letter behind a small one.
+std::vector<std::string> words_of(std::string_view name) {
+  const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  std::vector<std::string> words;
+  bool goes_on = false, was_small = false;
+  for (const char c : name) {
+    const bool is_small = c >= 'a' && c <= 'z';
+    if (!is_small && !is_capital(c)) {
+      goes_on = false;
+    } else {
+      if (!goes_on || (is_capital(c) && was_small)) words.emplace_back();
+      words.back() += c;
+      goes_on = true;
+    }
+    was_small = is_small;
+  }
+  for (std::string& word : words) word = lower_case(word);
+  return words;
+}
+
+bool is_channel_letter(std::string_view word) { return word == "r" || word == "g" || word == "b"; }
+
+/// Whether a word of the name means a color. Letters are looked at by lettered_channels.
+bool looks_like_color(std::string_view name) {
+  constexpr std::array<std::string_view, 3> kChannels{"red", "green", "blue"};
+  constexpr std::array<std::string_view, 4> kBegins{"rgb", "bgr", "color", "colour"};
+  constexpr std::array<std::string_view, 2> kEnds{"rgb", "color"};
+  const std::vector<std::string> words = words_of(name);
+  return lower_case(name).starts_with("f_dc") || std::ranges::any_of(words, [&](const std::string& word) {
+           return std::ranges::find(kChannels, word) != kChannels.end() ||
+                  std::ranges::any_of(kBegins, [&](std::string_view begin) { return word.starts_with(begin); }) ||
+                  std::ranges::any_of(kEnds, [&](std::string_view end) { return word.ends_with(end); });
+         });
+}
+
+/// The fields with r, g or b as a word of their names, if two of these letters occur: one alone may be a range.
+std::vector<std::size_t> lettered_channels(const std::vector<Field>& fields) {
+  std::vector<std::size_t> found;
+  std::string letters;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    const std::vector<std::string> words = words_of(fields[i].name);
+    const auto letter = std::ranges::find_if(words, is_channel_letter);
+    if (letter == words.end()) continue;
+    found.push_back(i);
+    if (letters.find(*letter) == std::string::npos) letters += *letter;
+  }
+  return letters.size() < 2 ? std::vector<std::size_t>() : found;
 }
 
 absl::Status check_point_numbers(const std::vector<Field>& fields) {
@@ -191,10 +249,12 @@ absl::Status find_color(const std::vector<Field>& fields, const FieldNames& name
   return find_color_vector(fields, names, roles, warnings);
 }
 
-void warn_of_unused_colors(const std::vector<Field>& fields, const FieldNames& names, std::vector<Warning>& warnings) {
+void warn_of_unused_colors(const std::vector<Field>& fields, std::vector<Warning>& warnings) {
+  const std::vector<std::size_t> lettered = lettered_channels(fields);
   std::vector<std::string> unused;
   for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (looks_like_color(names.lower(i))) unused.push_back(quoted(fields[i].name));
+    const bool is_letter = std::ranges::find(lettered, i) != lettered.end();
+    if (is_letter || looks_like_color(fields[i].name)) unused.push_back(quoted(fields[i].name));
   }
   if (unused.empty()) return;
   warnings.push_back({WarningReason::kColorNotUsed,
@@ -270,7 +330,7 @@ absl::StatusOr<FieldRoles> find_field_roles(const std::vector<Field>& fields, st
   FieldRoles roles;
   RETURN_IF_ERROR(find_position(fields, names, roles));
   RETURN_IF_ERROR(find_color(fields, names, roles, warnings));
-  if (!roles.has_color()) warn_of_unused_colors(fields, names, warnings);
+  if (!roles.has_color()) warn_of_unused_colors(fields, warnings);
   for (const std::string_view wanted : {"label", "scalar_Label"}) {
     ASSIGN_OR_RETURN(const auto found, names.find(wanted));
     if (!found || roles.label) continue;

@@ -13,13 +13,7 @@ namespace {
 
 using Triple = std::array<std::string_view, 3>;
 
-constexpr Triple kPosition{"x", "y", "z"}, kColor{"red", "green", "blue"};
-constexpr std::array<Triple, 4> kOtherColors{{
-    {"rgb:0", "rgb:1", "rgb:2"},
-    {"rgba:0", "rgba:1", "rgba:2"},
-    {"color:0", "color:1", "color:2"},
-    {"colors:0", "colors:1", "colors:2"},
-}};
+constexpr Triple kPosition{"x", "y", "z"};
 
 bool is_same(std::string_view name, std::string_view lower) {
   return std::ranges::equal(
@@ -35,18 +29,6 @@ std::optional<std::array<std::size_t, 3>> find(const std::vector<std::string>& n
     found[i] = static_cast<std::size_t>(at - names.begin());
   }
   return found;
-}
-
-/// Gives the usual names to columns that have those of other programs, unless there are columns with the usual ones.
-template <std::size_t kCount>
-void rename(const std::array<Triple, kCount>& others, const Triple& usual, std::vector<std::string>& names) {
-  if (find(names, usual)) return;
-  for (const Triple& other : others) {
-    if (const auto found = find(names, other)) {
-      for (std::size_t i = 0; i < 3; ++i) names[(*found)[i]] = usual[i];
-      return;
-    }
-  }
 }
 
 /// A name, and the unit in brackets behind it.
@@ -89,7 +71,6 @@ ColumnNames names_between(std::string_view line, Separator separator) {
     units.push_back(unit);
   }
   rename_position(units, out);
-  rename(kOtherColors, kColor, out.names);
   return out;
 }
 

@@ -58,6 +58,24 @@ bool is_title(std::string_view line, std::string_view rest) {
   return false;
 }
 
+/// Whether a line has a number such as 499,999.5, 5.399.999,98 or 499'999.99, with thousands set apart.
+bool has_grouped_number(std::string_view line) {
+  const auto is_digit = [&line](std::size_t i) { return i < line.size() && line[i] >= '0' && line[i] <= '9'; };
+  // Typographic signs are several bytes: no-break space, narrow no-break space, apostrophe.
+  constexpr std::array<std::string_view, 7> kSigns{".", ",", "'", " ", "\u00a0", "\u202f", "\u2019"};
+  for (std::size_t i = 1; i < line.size(); ++i) {
+    if (!is_digit(i - 1)) continue;
+    for (const std::string_view sign : kSigns) {
+      if (!line.substr(i).starts_with(sign)) continue;
+      const std::size_t at = i + sign.size();
+      const bool has_group = is_digit(at) && is_digit(at + 1) && is_digit(at + 2) && !is_digit(at + 3);
+      const bool goes_on = at + 3 < line.size() && (line[at + 3] == '.' || line[at + 3] == ',') && is_digit(at + 4);
+      if (has_group && goes_on && line[at + 3] != sign[0]) return true;
+    }
+  }
+  return false;
+}
+
 /// Whether a line of dashes, or of their like, is a rule below names. Between separators, one or two dashes are numbers
 /// that are not known.
 bool is_rule(std::string_view line) {
@@ -135,8 +153,12 @@ class StartFinder {
 
   absl::Status take_names(const LineReader::Line& line) {
     ColumnNames names = column_names(line.text);
-    if (are_degrees({names.names.begin(), names.names.end()})) {
+    if (!names.position() && are_degrees({names.names.begin(), names.names.end()})) {
       return fault("line {}: {}", line.number, kDegreesAreRefused);
+    }
+    if (!names_.names.empty() && has_grouped_number(line.text)) {
+      return fault("line {} has numbers with separators of thousands, {}; write them without", line.number,
+                   quoted(line.text));
     }
     if (!names_.names.empty() || !names.position()) {
       return fault(

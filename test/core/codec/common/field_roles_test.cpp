@@ -48,6 +48,13 @@ TEST(FieldRoles, ColorsHaveManyNames) {
                                                     {"R8", "G8", "B8"},
                                                     {"R255", "G255", "B255"},
                                                     {"r_channel", "g_channel", "b_channel"},
+                                                    {"Col.r", "Col.g", "Col.b"},
+                                                    {"R_8bit", "G_8bit", "B_8bit"},
+                                                    {"RGB_0", "RGB_1", "RGB_2"},
+                                                    {"rgb[0]", "rgb[1]", "rgb[2]"},
+                                                    {"color_1", "color_2", "color_3"},
+                                                    {"Colors:0", "Colors:1", "Colors:2"},
+                                                    {"rgba.0", "rgba.1", "rgba.2"},
                                                     {"Rot", "Grün", "Blau"},
                                                     {"Rouge", "Vert", "Bleu"},
                                                     {"rojo", "verde", "azul"},
@@ -105,7 +112,17 @@ TEST(FieldRoles, AColorThatCannotBeUsedIsMentioned) {
   EXPECT_EQ(found.warnings[0].reason, WarningReason::kColorNotUsed);
   EXPECT_THAT(found.warnings[0].message, HasSubstr("'rgb' cannot be used"));
   EXPECT_EQ(find(fields_of({"x", "y", "z", "red", "green"})).warnings.size(), 1U);
-  EXPECT_TRUE(find(fields_of({"x", "y", "z", "intensity", "ring"})).warnings.empty());
+  for (const std::string_view name : {"vertexRed", "my_colour", "Kd.g", "rgb8", "f_dc_1", "basecolor"}) {
+    const Found other = find(fields_of({"x", "y", "z", name, name == "Kd.g" ? "Kd.b" : "time"}));
+    EXPECT_EQ(other.warnings.size(), 1U) << name;
+  }
+}
+
+TEST(FieldRoles, WordsThatOnlyEndLikeColorsAreNone) {
+  for (const std::string_view name : {"intensity", "ring", "r", "DESTAGGERED COLUMN", "filtered", "infrared",
+                                      "evergreen", "is_registered", "range_r"}) {
+    EXPECT_TRUE(find(fields_of({"x", "y", "z", name})).warnings.empty()) << name;
+  }
 }
 
 TEST(FieldRoles, ACoordinateIsOneNumberThatOccursOnce) {

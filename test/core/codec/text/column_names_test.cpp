@@ -141,6 +141,26 @@ TEST(TextTable, DegreesAreNoCoordinates) {
   }
 }
 
+TEST(TextTable, DegreesMayStandBesideCoordinates) {
+  for (const std::string_view names :
+       {"x,y,z,lat,lon", "lat,lon,x,y,z", "Latitude,Longitude,Easting,Northing,Elevation"}) {
+    const LabeledCloud cloud = read_table(std::string(names) + "\n1,2,3,4,5\n");
+    EXPECT_THAT(cloud.cloud.x, ElementsAre(names[0] == 'x' ? 1 : 3)) << names;
+    EXPECT_EQ(cloud.attributes.size(), 2U) << names;
+  }
+}
+
+TEST(TextTable, SeparatorsOfThousandsAreNamed) {
+  for (const std::string_view row :
+       {"499.999,9999;5.399.999,9998;3,5", "499'999.99;5'399'999.99;3.5", "499\u00a0999,99;5\u00a0399\u00a0999,99;3,5",
+        "\"499,999.9999\";\"5,399,999.9998\";3.5"}) {
+    const std::string file = "X;Y;Z\n" + std::string(row) + "\n";
+    EXPECT_THAT(std::string(decode_text_table(bytes_of(file), {}).status().message()),
+                HasSubstr("line 2 has numbers with separators of thousands"))
+        << row;
+  }
+}
+
 TEST(TextTable, NamesTellTheColumns) {
   for (const std::string_view file :
        {"x,y,z,red,green,blue,intensity,label\n1,2,3,255,128,0,0.5,7\n",
