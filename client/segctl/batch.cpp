@@ -86,9 +86,9 @@ class Batch {
  private:
   absl::StatusOr<Scene> load(std::size_t file) const;
   absl::StatusOr<client::Result> segment_here(const codec::LabeledCloud& content) const;
-  absl::Status write(Scene& scene, const client::Result& result) const;
+  absl::Status write(Scene& scene, client::Result& result) const;
   /// Writes the outputs of a result and records the outcome.
-  void complete(Scene scene, const absl::StatusOr<client::Result>& result);
+  void complete(Scene scene, absl::StatusOr<client::Result> result);
   /// Records why a file has no result, unless that is why the batch stops.
   void fail(std::size_t file, const absl::Status& status);
   /// Stops the batch if a signal has come; returns whether it has.
@@ -121,10 +121,12 @@ absl::StatusOr<Scene> Batch::load(std::size_t file) const {
   return Scene{file, std::move(content), bytes.size()};
 }
 
-absl::Status Batch::write(Scene& scene, const client::Result& result) const {
+absl::Status Batch::write(Scene& scene, client::Result& result) const {
   const BatchInput& input = job_.inputs[scene.file];
   if (job_.sheet != nullptr) job_.sheet->add(scene.file, scene.content.cloud, result.segmentation.labels);
   if (input.cloud_path.empty()) return absl::OkStatus();
+  codec::EncodedFile cloud = job_.format->encode_pcd(scene.content, result.segmentation.labels);
+  append_warnings(input.cloud_path, cloud.warnings, result.warnings);
   auto summary = to_json({.result = result,
                           .input = input.path,
                           .server = result.in_this_process ? "" : job_.server,
@@ -135,7 +137,7 @@ absl::Status Batch::write(Scene& scene, const client::Result& result) const {
   for (const std::string& path : {input.summary_path, input.cloud_path}) RETURN_IF_ERROR(output.announce(path));
   // Files are renamed in the opposite order, the summary last.
   output.add(input.summary_path, json_text(summary));
-  output.add(input.cloud_path, job_.format->encode_pcd(scene.content, result.segmentation.labels));
+  output.add(input.cloud_path, std::move(cloud.bytes));
   return output.commit();
 }
 
@@ -149,7 +151,7 @@ void Batch::fail(std::size_t file, const absl::Status& status) {
   if (!absl::IsCancelled(status) || !is_interrupted()) progress_.record_failure(file, status);
 }
 
-void Batch::complete(Scene scene, const absl::StatusOr<client::Result>& result) {
+void Batch::complete(Scene scene, absl::StatusOr<client::Result> result) {
   const absl::Status status = result.ok() ? write(scene, *result) : result.status();
   if (!status.ok()) return fail(scene.file, status);
   progress_.record(scene.file, {FileOutcome::State::kSegmented,
@@ -189,7 +191,7 @@ void Batch::run_here() {
           continue;
         }
         const auto result = segment_here(scene->content);
-        complete(*std::move(scene), result);
+        complete(*std::move(scene), std::move(result));
       }
     });
   }

@@ -104,7 +104,8 @@ absl::Status add_scene(const CutArguments& arguments, SavedResult& saved, Staged
   ASSIGN_OR_RETURN(const auto scene, load_segmented_cloud(arguments.cloud_path, saved,
                                                           input_name(arguments.result_path), result.warnings));
   RETURN_IF_ERROR(arguments.scene_output.add(output, scene, result.segmentation.labels, result.warnings));
-  RETURN_IF_ERROR(arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output));
+  RETURN_IF_ERROR(
+      arguments.split_output.add(output, scene, result.segmentation.labels, arguments.scene_output, result.warnings));
   RETURN_IF_ERROR(arguments.dendrogram.add(output, result, &scene, arguments.scene_output));
   if (!arguments.segments) return absl::OkStatus();
   RETURN_IF_ERROR(describe(scene.cloud, 1, StopToken(), result.segmentation));

@@ -35,7 +35,7 @@ codec::LabeledCloud subset_of(const codec::LabeledCloud& scene, std::span<const 
   subset.cloud.view.cameras.clear();  // which tell the numbers of all points
   subset.placement = scene.placement;
   subset.has_standard_gps_time = scene.has_standard_gps_time;
-  subset.viewpoint_rotation = scene.viewpoint_rotation;
+  subset.viewpoint = scene.viewpoint;
   subset.reference_records = scene.reference_records;
   std::ranges::transform(scene.file_position, subset.file_position.begin(),
                          [&](const std::vector<double>& axis) { return entries(axis, 1, points); });

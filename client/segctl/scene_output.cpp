@@ -179,14 +179,22 @@ absl::StatusOr<codec::EncodedFile> SceneOutput::encode(const codec::LabeledCloud
     content.cloud.rgb = colors;
   }
   if (format == codec::FileFormat::kPcd) {
-    return codec::EncodedFile{codec::encode_pcd(content, pcd_encoding(encoding_)), {}};
+    return codec::EncodedFile{codec::encode_pcd(content, pcd_encoding(encoding_)), codec::losses_of(content, format)};
   }
   const auto encoding = encoding_ == "ascii" ? codec::FileEncoding::kText : codec::FileEncoding::kBinary;
   return codec::encode_file(content, format, encoding, codec::scene_name(cloud_path_));
 }
 
-std::string SceneOutput::encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const {
-  return encode(scene, labels, codec::FileFormat::kPcd)->bytes;  // PCD holds every cloud.
+codec::EncodedFile SceneOutput::encode_pcd(const codec::LabeledCloud& scene,
+                                           std::span<const std::uint32_t> labels) const {
+  return *encode(scene, labels, codec::FileFormat::kPcd);  // PCD holds the points of every cloud.
+}
+
+void append_warnings(const std::string& path, const std::vector<codec::Warning>& of_file,
+                     std::vector<codec::Warning>& warnings) {
+  for (const codec::Warning& warning : of_file) {
+    warnings.push_back({warning.reason, fmt::format("{}: {}", path, warning.message)});
+  }
 }
 
 absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
@@ -194,9 +202,7 @@ absl::Status SceneOutput::add(StagedOutput& output, const codec::LabeledCloud& s
   if (!cloud_path_.empty()) {
     auto file = encode(scene, labels, *format_of(cloud_path_));
     if (!file.ok()) return with_prefix(cloud_path_, file.status());
-    for (const codec::Warning& warning : file->warnings) {
-      warnings.push_back({warning.reason, fmt::format("{}: {}", cloud_path_, warning.message)});
-    }
+    append_warnings(cloud_path_, file->warnings, warnings);
     output.add(cloud_path_, std::move(file->bytes));
   }
   ASSIGN_OR_RETURN(const picture::RenderOptions options, render_options(scene));

@@ -40,8 +40,8 @@ class SceneOutput {
   absl::Status announce(StagedOutput& output) const;
 
   /// The labeled cloud as a PCD file, with the encoding, colors and points that the flags ask for. `labels` has one
-  /// entry per point.
-  std::string encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
+  /// entry per point. What PCD cannot hold is in the warnings.
+  codec::EncodedFile encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// Adds the files that the flags ask for. `labels` has one entry per point. The scene has everything that its file
   /// had. What the format of the cloud cannot hold is added to `warnings`.
@@ -69,5 +69,9 @@ class SceneOutput {
   std::string view_from_;
   bool legend_ = false;
 };
+
+/// Appends what a file that is written does not hold, with its path in front.
+void append_warnings(const std::string& path, const std::vector<codec::Warning>& of_file,
+                     std::vector<codec::Warning>& warnings);
 
 }  // namespace segserve::segctl

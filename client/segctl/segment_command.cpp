@@ -231,14 +231,16 @@ absl::StatusOr<client::Result> segment_here(const SegmentArguments& arguments, c
 
 /// Adds the labeled cloud of each camera.
 absl::Status add_clouds_of_cameras(const SegmentArguments& arguments, const Job& job, const client::Result& result,
-                                   StagedOutput& output) {
+                                   StagedOutput& output, std::vector<codec::Warning>& warnings) {
   const std::vector<std::uint32_t>& labels = result.selection ? result.selection->labels : result.segmentation.labels;
   ASSIGN_OR_RETURN(const auto parts, split_by_camera(job.scene->cloud.view, labels));
   RETURN_IF_ERROR(make_folder(arguments.out_dir));
   for (std::size_t c = 0; c < parts.size(); ++c) {
     const std::string path = path_of_camera(arguments, job.rig->files[c]);
     RETURN_IF_ERROR(output.announce(path));
-    output.add(path, arguments.scene_output.encode_pcd(job.rig->of_camera[c], parts[c]));
+    codec::EncodedFile file = arguments.scene_output.encode_pcd(job.rig->of_camera[c], parts[c]);
+    append_warnings(path, file.warnings, warnings);
+    output.add(path, std::move(file.bytes));
   }
   return absl::OkStatus();
 }
@@ -249,9 +251,11 @@ absl::Status write_outputs(const SegmentArguments& arguments, Job& job, client::
   if (arguments.scene_output.wanted() || arguments.split_output.wanted()) {
     const std::vector<std::uint32_t>& labels = result.selection ? result.selection->labels : result.segmentation.labels;
     RETURN_IF_ERROR(arguments.scene_output.add(output, *job.scene, labels, of_output));
-    RETURN_IF_ERROR(arguments.split_output.add(output, *job.scene, labels, arguments.scene_output));
+    RETURN_IF_ERROR(arguments.split_output.add(output, *job.scene, labels, arguments.scene_output, of_output));
   }
-  if (job.rig && !arguments.out_dir.empty()) RETURN_IF_ERROR(add_clouds_of_cameras(arguments, job, result, output));
+  if (job.rig && !arguments.out_dir.empty()) {
+    RETURN_IF_ERROR(add_clouds_of_cameras(arguments, job, result, output, of_output));
+  }
   if (arguments.dendrogram.given()) {
     RETURN_IF_ERROR(arguments.dendrogram.add(output, result, &*job.scene, arguments.scene_output));
   }

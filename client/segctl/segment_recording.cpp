@@ -133,7 +133,7 @@ absl::Status RecordingRun::write_file(const SegmentedFrame& done) const {
   const std::string path = (fs::path(arguments_.out_dir) / name).string();
   StagedOutput output;
   RETURN_IF_ERROR(output.announce(path));
-  output.add(path, arguments_.scene_output.encode_pcd(*done.recorded.frame.content, shown_labels(*done.result)));
+  output.add(path, arguments_.scene_output.encode_pcd(*done.recorded.frame.content, shown_labels(*done.result)).bytes);
   return output.commit();
 }
 

@@ -41,8 +41,7 @@ class SequenceRun {
  private:
   absl::Status open();
   absl::StatusOr<client::Result> segment(const SequenceFrame& frame, codec::LabeledCloud& content);
-  absl::Status write(const SequenceFrame& frame, const codec::LabeledCloud& content,
-                     const client::Result& result) const;
+  absl::Status write(const SequenceFrame& frame, const codec::LabeledCloud& content, client::Result& result) const;
   absl::Status complete(const SequenceFrame& frame);
   void add_line(const SequenceFrame& frame, const absl::StatusOr<client::Result>& result);
   std::string text() const;
@@ -108,13 +107,15 @@ absl::StatusOr<client::Result> SequenceRun::segment(const SequenceFrame& frame, 
 }
 
 absl::Status SequenceRun::write(const SequenceFrame& frame, const codec::LabeledCloud& content,
-                                const client::Result& result) const {
+                                client::Result& result) const {
   if (arguments_.out_dir.empty()) return absl::OkStatus();
   const std::string name = fs::path(frame.file).stem().string() + ".pcd";
   const std::string path = (fs::path(arguments_.out_dir) / name).string();
   StagedOutput output;
   RETURN_IF_ERROR(output.announce(path));
-  output.add(path, arguments_.scene_output.encode_pcd(content, shown_labels(result)));
+  codec::EncodedFile file = arguments_.scene_output.encode_pcd(content, shown_labels(result));
+  append_warnings(path, file.warnings, result.warnings);
+  output.add(path, std::move(file.bytes));
   return output.commit();
 }
 
@@ -137,8 +138,8 @@ absl::Status SequenceRun::complete(const SequenceFrame& frame) {
   auto result = segment(frame, content);
   // Every other frame would fail, too.
   if (absl::IsUnavailable(result.status())) return result.status();
-  add_line(frame, result);
   if (!result.ok()) {
+    add_line(frame, result);
     if (failed_++ == 0) first_failure_ = fmt::format("{}: {}", frame.file, message_of(result.status()));
     all_are_bad_input_ = all_are_bad_input_ && exit_code(result.status()) == kBadInput;
     return absl::OkStatus();
@@ -148,7 +149,9 @@ absl::Status SequenceRun::complete(const SequenceFrame& frame) {
   for (const TrackEvent& event : result->tracks->events) ++events_[std::string(name(event.kind))];
   for (const std::uint64_t id : result->tracks->track_of_segment) ids_.insert(id);
   ids_.erase(0);
-  return write(frame, content, *result);
+  const absl::Status written = write(frame, content, *result);
+  add_line(frame, result);
+  return written;
 }
 
 std::string SequenceRun::text() const {

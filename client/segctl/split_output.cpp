@@ -54,7 +54,8 @@ absl::Status SplitOutput::announce(StagedOutput& output) const {
 }
 
 absl::Status SplitOutput::add(StagedOutput& output, const codec::LabeledCloud& scene,
-                              std::span<const std::uint32_t> labels, const SceneOutput& format) const {
+                              std::span<const std::uint32_t> labels, const SceneOutput& format,
+                              std::vector<codec::Warning>& warnings) const {
   if (!wanted()) return absl::OkStatus();
   const std::uint32_t segments = labels.empty() ? 0 : *std::ranges::max_element(labels);
   if (segments > kMostFiles) {
@@ -66,7 +67,9 @@ absl::Status SplitOutput::add(StagedOutput& output, const codec::LabeledCloud& s
   for (std::uint32_t segment = 1; segment <= segments; ++segment) {
     const codec::LabeledCloud part = subset_of(scene, points[segment - 1]);
     const std::vector<std::uint32_t> label(part.cloud.size(), segment);
-    output.add((fs::path(folder_) / file_name(segment)).string(), format.encode_pcd(part, label));
+    codec::EncodedFile file = format.encode_pcd(part, label);
+    if (segment == 1) append_warnings(folder_, file.warnings, warnings);  // It is the same for all of them.
+    output.add((fs::path(folder_) / file_name(segment)).string(), std::move(file.bytes));
   }
   std::error_code error;
   for (fs::directory_iterator entry(folder_, error), end; !error && entry != end; entry.increment(error)) {

@@ -52,7 +52,7 @@ absl::Status write_rig(const SynthArguments& arguments) {
     codec::LabeledCloud content;
     content.cloud = view.scene.cloud;
     RETURN_IF_ERROR(write_file(arguments.rig_folder, cameras.back().file,
-                               arguments.scene_output.encode_pcd(content, view.scene.label)));
+                               arguments.scene_output.encode_pcd(content, view.scene.label).bytes));
     for (const std::uint32_t label : view.scene.label) {
       if (label >= kFirstObjectLabel) objects.insert(label);
     }
@@ -75,7 +75,7 @@ absl::Status write_moving(const SynthArguments& arguments) {
     codec::LabeledCloud content;
     content.cloud = frame.scene.cloud;
     RETURN_IF_ERROR(write_file(arguments.moving_folder, frames.back().file,
-                               arguments.scene_output.encode_pcd(content, frame.scene.label)));
+                               arguments.scene_output.encode_pcd(content, frame.scene.label).bytes));
     bar.show(i + 1, scene.frames());
   }
   RETURN_IF_ERROR(write_file(arguments.moving_folder, kSequenceFile, sequence_json(frames)));

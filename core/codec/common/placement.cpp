@@ -99,7 +99,7 @@ FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> 
                       .label = label,
                       .attributes = file.attributes,
                       .has_standard_gps_time = file.has_standard_gps_time,
-                      .viewpoint_rotation = file.viewpoint_rotation,
+                      .viewpoint = file.viewpoint,
                       .reference_records = file.reference_records};
   content.cloud.view = to_file(file.placement, file.cloud.view);
   // Everything in the file is in its unit.
@@ -111,6 +111,13 @@ FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> 
     content.unit = length_unit_of(file.placement.meters_per_unit()).value_or(LengthUnit::kMeter);
   }
   return content;
+}
+
+bool keeps_viewpoint(const FileContent& content) {
+  constexpr double kTolerance = 1e-6;  // of the numbers of a view, which are floats
+  const auto& sensor = content.cloud.view.sensor;
+  const Eigen::Vector3d& translation = content.viewpoint->translation;
+  return !sensor || (sensor->cast<double>() - translation).norm() <= kTolerance * (1 + translation.norm());
 }
 
 }  // namespace segserve::codec

@@ -97,22 +97,9 @@ bool has_a_single_row(FileFormat format) {
          format == FileFormat::kCsv;
 }
 
-/// What of the content a format for clouds cannot hold, apart from values of points, a line for people each.
-std::vector<std::string> losses_of(const FileContent& content, FileFormat format) {
-  std::vector<std::string> losses;
-  const CloudView& cloud = content.cloud;
-  if (cloud.height > 1 && has_a_single_row(format)) {
-    losses.push_back(
-        fmt::format("the rows and columns of the organized cloud ({} x {}) are not kept; PCD and NPY keep them",
-                    cloud.width, cloud.height));
-  }
-  if (content.viewpoint_rotation && (has_a_single_row(format) || format == FileFormat::kNpy)) {
-    losses.emplace_back("the rotation of the file's VIEWPOINT is not kept; PCD keeps it");
-  }
-  if (!content.reference_records.empty() && format != FileFormat::kLas && !has_labels_only(format)) {
-    losses.emplace_back("the coordinate reference system is not kept; LAS keeps it, and the coordinates stay");
-  }
-  return losses;
+/// Whether the format is one for clouds that are read again.
+bool is_read_again(FileFormat format) {
+  return has_a_single_row(format) || format == FileFormat::kPcd || format == FileFormat::kNpy;
 }
 
 absl::StatusOr<EncodedFile> encode_as(const FileContent& content, FileFormat format, FileEncoding encoding,
@@ -193,12 +180,35 @@ std::string scene_name(std::string_view path) {
   return std::string(path);
 }
 
+std::vector<Warning> losses_of(const FileContent& content, FileFormat format) {
+  std::vector<std::string> messages;
+  const CloudView& cloud = content.cloud;
+  if (cloud.height > 1 && has_a_single_row(format)) {
+    messages.push_back(
+        fmt::format("the rows and columns of the organized cloud ({} x {}) are not kept; PCD and NPY keep them",
+                    cloud.width, cloud.height));
+  }
+  if (content.viewpoint && is_read_again(format)) {
+    const bool keeps = keeps_viewpoint(content);
+    if (format == FileFormat::kPcd) {
+      if (!keeps)
+        messages.emplace_back("the file's VIEWPOINT is not kept, because another place of the sensor was given");
+    } else if (content.viewpoint->is_turned() || !keeps || !content.cloud.view.sensor) {
+      messages.emplace_back("the file's VIEWPOINT is not kept; PCD keeps it");
+    }
+  }
+  if (!content.reference_records.empty() && format != FileFormat::kLas && !has_labels_only(format)) {
+    messages.emplace_back("the coordinate reference system is not kept; LAS keeps it, and the coordinates stay");
+  }
+  std::vector<Warning> losses;
+  for (std::string& message : messages) losses.push_back({WarningReason::kAttributeNotKept, std::move(message)});
+  return losses;
+}
+
 absl::StatusOr<EncodedFile> encode_file(const FileContent& content, FileFormat format, FileEncoding encoding,
                                         std::string_view scene) {
   ASSIGN_OR_RETURN(EncodedFile file, encode_as(content, format, encoding, scene));
-  for (std::string& message : losses_of(content, format)) {
-    file.warnings.push_back({WarningReason::kAttributeNotKept, std::move(message)});
-  }
+  for (Warning& loss : losses_of(content, format)) file.warnings.push_back(std::move(loss));
   return file;
 }
 

@@ -188,7 +188,8 @@ PointTable BodyReader::make_table(std::function<Column(std::size_t field)> colum
 }
 
 absl::Status BodyReader::read_table(const PointTable& table) {
-  ViewEvidence evidence{.position = header_.viewpoint, .entry = "VIEWPOINT"};
+  ViewEvidence evidence{.position = std::nullopt, .entry = "VIEWPOINT"};
+  if (header_.viewpoint) evidence.position = header_.viewpoint->translation;
   evidence.has_entry = true;
   return read_points(table, evidence, options_, stop_, out_);
 }
@@ -252,7 +253,8 @@ absl::StatusOr<LabeledCloud> decode_pcd(std::span<const std::byte> bytes, const 
   ASSIGN_OR_RETURN(PcdHeader header, parse_pcd_header(file, limits));
   LabeledCloud out;
   out.warnings = std::move(header.warnings);
-  out.viewpoint_rotation = header.viewpoint_rotation;
+  const auto& viewpoint = header.viewpoint;
+  if (viewpoint && (viewpoint->is_turned() || !viewpoint->translation.isZero(0))) out.viewpoint = viewpoint;
   RETURN_IF_ERROR(
       BodyReader(header, options, limits, stop, out).read(as_bytes(std::span(file.substr(header.body_offset)))));
   return out;

@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 #include <lzf.h>
 
-#include <Eigen/Geometry>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -43,13 +42,19 @@ std::string encode_header(const FileContent& content, const FileTable& table, Pc
     fmt::format_to(std::back_inserter(counts), " {}", column.count);
   }
   const CloudView& cloud = content.cloud;
-  const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
-  const Eigen::Quaterniond rotation = content.viewpoint_rotation.value_or(Eigen::Quaterniond::Identity());
+  std::string viewpoint;
+  if (content.viewpoint && keeps_viewpoint(content)) {
+    const auto& [translation, q] = *content.viewpoint;
+    viewpoint = fmt::format("{} {} {} {} {}", fmt::join(translation, " "), q.w(), q.x(), q.y(), q.z());
+  } else {
+    const Eigen::Vector3f sensor = cloud.view.sensor.value_or(Eigen::Vector3f::Zero());
+    viewpoint = fmt::format("{} 1 0 0 0", fmt::join(sensor, " "));
+  }
   return fmt::format(
       "# .PCD v0.7 - Point Cloud Data file format\n# {}\nVERSION 0.7\nFIELDS{}\nSIZE{}\nTYPE{}\nCOUNT{}\n"
-      "WIDTH {}\nHEIGHT {}\nVIEWPOINT {} {} {} {} {} {} {}\nPOINTS {}\nDATA {}\n",
-      fmt::join(statements_of(content), "\n# "), fields, sizes, types, counts, cloud.width, cloud.height, sensor[0],
-      sensor[1], sensor[2], rotation.w(), rotation.x(), rotation.y(), rotation.z(), cloud.size(), name_of(encoding));
+      "WIDTH {}\nHEIGHT {}\nVIEWPOINT {}\nPOINTS {}\nDATA {}\n",
+      fmt::join(statements_of(content), "\n# "), fields, sizes, types, counts, cloud.width, cloud.height, viewpoint,
+      cloud.size(), name_of(encoding));
 }
 
 /// The most bytes that LZF writes: a control byte before each 32 bytes, and the space that it wants to have ahead.

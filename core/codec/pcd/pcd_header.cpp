@@ -208,9 +208,7 @@ absl::Status read_viewpoint(const Entries& entries, PcdHeader& header) {
            std::isfinite(pose[i]);
   }
   if (!good) return fault("VIEWPOINT in line {} must be 7 finite numbers: tx ty tz qw qx qy qz", entry->line);
-  header.viewpoint = {pose[0], pose[1], pose[2]};
-  const Eigen::Quaterniond rotation(pose[3], pose[4], pose[5], pose[6]);
-  if (!rotation.vec().isZero(0)) header.viewpoint_rotation = rotation;
+  header.viewpoint = {{pose[0], pose[1], pose[2]}, {pose[3], pose[4], pose[5], pose[6]}};
   return absl::OkStatus();
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -15,6 +14,7 @@
 #include "core/codec/common/file_statements.hpp"
 #include "core/codec/common/scalar_type.hpp"
 #include "segserve/codec/decode_limits.hpp"
+#include "segserve/codec/labeled_cloud.hpp"
 #include "segserve/codec/pcd.hpp"
 
 namespace segserve::codec {
@@ -37,9 +37,8 @@ struct PcdHeader {
   std::vector<Warning> warnings;
   std::uint32_t width = 0;
   std::uint32_t height = 0;
-  std::size_t points = 0;                    ///< width * height
-  std::optional<Eigen::Vector3d> viewpoint;  ///< its translation, in the file's unit; unset if it is missing
-  std::optional<Eigen::Quaterniond> viewpoint_rotation;  ///< unset if VIEWPOINT is missing or does not turn
+  std::size_t points = 0;               ///< width * height
+  std::optional<SensorPose> viewpoint;  ///< unset if it is missing
   FileStatements stated;
   PcdEncoding encoding = PcdEncoding::kAscii;
   std::size_t body_offset = 0;  ///< bytes from the beginning of the file

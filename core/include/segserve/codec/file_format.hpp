@@ -63,6 +63,10 @@ struct EncodedFile {
   std::vector<Warning> warnings;
 };
 
+/// What of the content a format cannot hold, apart from values of points: rows and columns, the pose of the sensor, the
+/// coordinate reference system. encode_file tells it.
+std::vector<Warning> losses_of(const FileContent& content, FileFormat format);
+
 /// Encodes a cloud. Only PCD and PLY have both encodings; the others ignore it. `scene` is the name of the scene, which
 /// only kSegsJson has. INVALID_ARGUMENT if the format cannot hold a label or coordinate, or if there are no labels and
 /// it has nothing else.

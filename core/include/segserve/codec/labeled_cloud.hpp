@@ -20,6 +20,15 @@ namespace segserve::codec {
 /// The coordinates of N points as a file has them: x, y and z.
 using FilePosition = std::array<std::vector<double>, 3>;
 
+/// Where a sensor was, in the coordinates and the unit of a file, and how it was turned. Of the rotation nothing is
+/// used: the points of a file have the axes that it says, however its sensor was turned.
+struct SensorPose {
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+
+  bool is_turned() const { return !rotation.vec().isZero(0); }
+};
+
 /// A record of a LAS file that describes its coordinate reference system: a variable length record of user
 /// LASF_Projection, by its number, with its payload as it is in the file.
 struct ReferenceRecord {
@@ -39,9 +48,7 @@ struct LabeledCloud {
   std::vector<Attribute> attributes;  ///< the other values of the points, if they were asked for
   /// The attribute gps_time is GPS time minus 1e9 s, as LAS may say, and no time of the week.
   bool has_standard_gps_time = false;
-  /// The rotation of VIEWPOINT in a PCD file, if it turns. It goes into PCD files again, and is used for nothing else:
-  /// the points of a file have the axes that it says, however its sensor was turned.
-  std::optional<Eigen::Quaterniond> viewpoint_rotation;
+  std::optional<SensorPose> viewpoint;  ///< VIEWPOINT of a PCD file, unless it is missing or all default
   /// The coordinate reference system, if everything was asked for. It goes into LAS files again.
   std::vector<ReferenceRecord> reference_records;
   std::string format;  ///< for people: the format of the file, e.g. "PCD"; set by decode_cloud
@@ -55,13 +62,17 @@ struct FileContent {
   const FilePosition* position = nullptr;      ///< the coordinates in the file, or null
   LengthUnit unit = LengthUnit::kMeter;        ///< of the coordinates in the file; not kAuto
   bool has_standard_gps_time = false;          ///< see LabeledCloud
-  std::optional<Eigen::Quaterniond> viewpoint_rotation = std::nullopt;  ///< see LabeledCloud
-  std::span<const ReferenceRecord> reference_records = {};              ///< see LabeledCloud
+  std::optional<SensorPose> viewpoint = std::nullopt;       ///< see LabeledCloud
+  std::span<const ReferenceRecord> reference_records = {};  ///< see LabeledCloud
 };
 
 /// A cloud that was read with ReadOptions::keep_everything, with other labels, as it goes into a file again: with the
 /// coordinates, their unit, the sensor and the attributes of the file that it came from. The file and the labels must
 /// outlive the result.
 FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label);
+
+/// Whether the view knows of no other place of the sensor than the content's VIEWPOINT, which must be there: one of the
+/// view may have been given instead.
+bool keeps_viewpoint(const FileContent& content);
 
 }  // namespace segserve::codec

@@ -2,6 +2,8 @@
 // Every format out and in again: the same labels, the same sensor, the same points and other values.
 #include "segserve/codec/file_format.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstring>
 #include <limits>
@@ -191,22 +193,39 @@ TEST(FileFormat, RowsAndColumnsThatAFormatCannotHoldAreMentioned) {
   }
 }
 
-TEST(FileFormat, ARotationOfViewpointIsKeptInPcdAndMentionedElsewhere) {
-  const std::string file =
-      "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1\nVIEWPOINT 0 0 3 0.5 -0.5 0.5 -0.5\nPOINTS 2\nDATA "
-      "ascii\n0 0 1\n1 0 1\n";
-  const LabeledCloud cloud = read(file);
-  const FileContent content = content_of(cloud, {});
-  for (const FileFormat format : kClouds) {
-    SCOPED_TRACE(static_cast<int>(format));
-    const auto warnings = warnings_of(content, format);
-    if (format == FileFormat::kPcd) {
-      EXPECT_TRUE(warnings.empty());
-      EXPECT_THAT(write(content, format), HasSubstr("\nVIEWPOINT 0 0 3 0.5 -0.5 0.5 -0.5\n"));
-    } else {
-      EXPECT_THAT(warnings, ElementsAre(HasSubstr("the rotation of the file's VIEWPOINT is not kept")));
+TEST(FileFormat, TheViewpointOfAPcdFileIsKeptInPcdAndMentionedElsewhere) {
+  const auto pcd = [](std::string_view size, std::string_view viewpoint, std::string_view comment) {
+    std::string rows;
+    for (int i = 0; i < 24; ++i) rows += fmt::format("{} {} 1\n", 0.01 * (i % 6 - 2.5), 0.01 * (i / 6 - 1.5));
+    return fmt::format("{}FIELDS x y z\nSIZE 8 8 8\nTYPE F F F\n{}\nVIEWPOINT {}\nPOINTS 24\nDATA ascii\n{}", comment,
+                       size, viewpoint, rows);
+  };
+  struct Case {
+    std::string_view size, viewpoint, comment;
+    bool is_in_the_view;
+  };
+  for (const Case& c : {Case{"WIDTH 24\nHEIGHT 1", "0 0 3 0.5 -0.5 0.5 -0.5", "", false},
+                        Case{"WIDTH 6\nHEIGHT 4", "1 2 3 0.5 -0.5 0.5 -0.5", "", false},
+                        Case{"WIDTH 6\nHEIGHT 4", "0.1 0.2 0.3 1 0 0 0", "# segserve view camera\n", false},
+                        Case{"WIDTH 24\nHEIGHT 1", "0.1 0.2 -3 1 0 0 0", "# segserve view world\n", false},
+                        Case{"WIDTH 24\nHEIGHT 1", "389425.37 5819321.62 40.13 1 0 0 0", "", true}}) {
+    const LabeledCloud cloud = read(pcd(c.size, c.viewpoint, c.comment));
+    const FileContent content = content_of(cloud, {});
+    EXPECT_THAT(write(content, FileFormat::kPcd), HasSubstr(fmt::format("\nVIEWPOINT {}\n", c.viewpoint)));
+    for (const FileFormat format : kClouds) {
+      SCOPED_TRACE(fmt::format("{} {}", c.viewpoint, static_cast<int>(format)));
+      const bool is_lost = format != FileFormat::kPcd && !c.is_in_the_view;
+      const auto is_about_viewpoint = HasSubstr("the file's VIEWPOINT is not kept; PCD keeps it");
+      const auto warnings = warnings_of(content, format);
+      EXPECT_EQ(testing::Value(warnings, testing::Contains(is_about_viewpoint)), is_lost);
     }
   }
+  // A place that was given instead of the file's is written, and the file's is mentioned.
+  LabeledCloud other = read(pcd("WIDTH 24\nHEIGHT 1", "0 0 3 0.5 -0.5 0.5 -0.5", ""));
+  other.cloud.view = View::world(0, 0, -2);
+  const FileContent content = content_of(other, {});
+  EXPECT_THAT(write(content, FileFormat::kPcd), HasSubstr("\nVIEWPOINT 0 0 -2 1 0 0 0\n"));
+  EXPECT_THAT(losses_of(content, FileFormat::kPcd).at(0).message, HasSubstr("another place of the sensor was given"));
 }
 
 TEST(FileFormat, IntegersThatPlyRoundsAreMentioned) {
