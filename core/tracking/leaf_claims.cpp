@@ -75,21 +75,28 @@ class ShiftSearch {
     return sum / static_cast<double>(track.signatures.size());
   }
 
-  /// The closest segments of about the size and color of the track that it can have reached.
+  /// The closest segments of about the size and color of the track that it can have reached, kMostPlaces at most.
   std::vector<std::uint32_t> similar_segments(const PredictedTrack& track) {
+    struct Place {
+      double distance;
+      std::uint32_t node;
+    };
     const double farthest = kSlack + max_speed_ * seconds_ * track.frames_unseen;
-    std::vector<std::uint32_t> similar;
-    const auto distance = [&](std::uint32_t node) { return norm(scene_.node(node).center() - track.center); };
-    check_.after(scene_.segments().size());
-    for (const std::uint32_t node : scene_.segments()) {
+    std::vector<Place> closest;  // by distance, and by the order of the segments
+    check_.for_each(0, scene_.segments().size(), [&](std::size_t i) {
+      const std::uint32_t node = scene_.segments()[i];
       const double area = scene_.area(node);
-      if (std::max(area, track.area) > kSameSize * std::min(area, track.area)) continue;
-      if (squared_color_distance(scene_.node(node).color(), track.color) > kOtherColor * kOtherColor) continue;
-      if (distance(node) <= farthest) similar.push_back(node);
-    }
-    std::ranges::stable_sort(similar, {}, distance);
-    similar.resize(std::min(similar.size(), kMostPlaces));
-    return similar;
+      if (std::max(area, track.area) > kSameSize * std::min(area, track.area)) return;
+      if (squared_color_distance(scene_.node(node).color(), track.color) > kOtherColor * kOtherColor) return;
+      const double distance = norm(scene_.node(node).center() - track.center);
+      const double limit = closest.size() < kMostPlaces ? farthest : closest.back().distance;
+      if (distance > limit || (closest.size() == kMostPlaces && distance == limit)) return;
+      closest.insert(std::ranges::upper_bound(closest, distance, {}, &Place::distance), {distance, node});
+      if (closest.size() > kMostPlaces) closest.pop_back();
+    });
+    std::vector<std::uint32_t> nodes;
+    for (const Place& place : closest) nodes.push_back(place.node);
+    return nodes;
   }
 
   const SceneTree& scene_;
