@@ -123,15 +123,13 @@ absl::Status PointReassignment::run(const FrameContext& frame, const VoxelGrid& 
       parallel_parts(frame.executor, frame.stop, cloud.size(),
                      [&](unsigned part, std::size_t begin, std::size_t end, StopCheck& part_check) {
                        parts_[part].clear();
-                       part_check.for_each_block(begin, end, [&](std::size_t first, std::size_t last) {
-                         for (std::size_t i = first; i < last; ++i) {
-                           const std::uint32_t v = voxel_of_slot_[grid.slot_of_point[i]];
-                           if (v == kNoVoxel) continue;
-                           const std::uint32_t s = judge.supervoxel_of({cloud.x[i], cloud.y[i], cloud.z[i]}, v);
-                           if (s != supervoxels.supervoxel_of_voxel[v])
-                             parts_[part].push_back({static_cast<std::uint32_t>(i), s});
-                           part_check.after(adjacency.of(v).size());
-                         }
+                       part_check.for_each(begin, end, [&](std::size_t i) -> std::uint64_t {
+                         const std::uint32_t v = voxel_of_slot_[grid.slot_of_point[i]];
+                         if (v == kNoVoxel) return 1;
+                         const std::uint32_t s = judge.supervoxel_of({cloud.x[i], cloud.y[i], cloud.z[i]}, v);
+                         if (s != supervoxels.supervoxel_of_voxel[v])
+                           parts_[part].push_back({static_cast<std::uint32_t>(i), s});
+                         return 1 + adjacency.of(v).size();
                        });
                      }));
   for (const auto& part : parts_) reassigned.insert(reassigned.end(), part.begin(), part.end());
