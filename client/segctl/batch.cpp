@@ -190,7 +190,7 @@ void Batch::run_here() {
           fail(*file, scene.status());
           continue;
         }
-        const auto result = segment_here(scene->content);
+        auto result = segment_here(scene->content);
         complete(*std::move(scene), std::move(result));
       }
     });

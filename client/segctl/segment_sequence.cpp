@@ -149,7 +149,7 @@ absl::Status SequenceRun::complete(const SequenceFrame& frame) {
   for (const TrackEvent& event : result->tracks->events) ++events_[std::string(name(event.kind))];
   for (const std::uint64_t id : result->tracks->track_of_segment) ids_.insert(id);
   ids_.erase(0);
-  const absl::Status written = write(frame, content, *result);
+  absl::Status written = write(frame, content, *result);
   add_line(frame, result);
   return written;
 }

@@ -95,6 +95,7 @@ class ShiftSearch {
       if (closest.size() > kMostPlaces) closest.pop_back();
     });
     std::vector<std::uint32_t> nodes;
+    nodes.reserve(closest.size());
     for (const Place& place : closest) nodes.push_back(place.node);
     return nodes;
   }

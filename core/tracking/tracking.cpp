@@ -102,7 +102,7 @@ class Tracker {
     result_.motion = to_transform(motion);
     result_.state.time = options_.time;
     result_.state.pose = options_.pose;
-    result_.state.plane = std::move(plane);
+    result_.state.plane = plane;
     result_.state.next_id = previous_.next_id;
     result_.track_of_segment.assign(partition_.cut.segments, 0);
     follow();

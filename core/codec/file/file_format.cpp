@@ -201,6 +201,7 @@ std::vector<Warning> losses_of(const FileContent& content, FileFormat format) {
     messages.emplace_back("the coordinate reference system is not kept; LAS keeps it, and the coordinates stay");
   }
   std::vector<Warning> losses;
+  losses.reserve(messages.size());
   for (std::string& message : messages) losses.push_back({WarningReason::kAttributeNotKept, std::move(message)});
   return losses;
 }

@@ -144,6 +144,7 @@ void ReferenceRecords::add(std::uint16_t id, std::span<const std::byte> payload)
 
 std::vector<ReferenceRecord> ReferenceRecords::copies() const {
   std::vector<ReferenceRecord> all;
+  all.reserve(records_.size());
   for (const Record& record : records_) all.push_back({record.id, std::string(as_text(record.payload))});
   return all;
 }

@@ -43,7 +43,7 @@ class HandMadeScene {
 
     TreeColumns columns;
     columns.leaf_points.assign(m, 50);
-    std::vector<bool> has_parent(2 * m, false);
+    std::vector<bool> has_parent(std::size_t{2} * m, false);
     std::uint32_t applied = 0;
     for (const std::uint32_t i : order) {
       add_row(columns, node(rows[i].a), node(rows[i].b), rows[i].weight, has_parent);

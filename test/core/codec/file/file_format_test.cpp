@@ -196,7 +196,9 @@ TEST(FileFormat, RowsAndColumnsThatAFormatCannotHoldAreMentioned) {
 TEST(FileFormat, TheViewpointOfAPcdFileIsKeptInPcdAndMentionedElsewhere) {
   const auto pcd = [](std::string_view size, std::string_view viewpoint, std::string_view comment) {
     std::string rows;
-    for (int i = 0; i < 24; ++i) rows += fmt::format("{} {} 1\n", 0.01 * (i % 6 - 2.5), 0.01 * (i / 6 - 1.5));
+    for (int v = 0; v < 4; ++v) {
+      for (int u = 0; u < 6; ++u) rows += fmt::format("{} {} 1\n", 0.01 * (u - 2.5), 0.01 * (v - 1.5));
+    }
     return fmt::format("{}FIELDS x y z\nSIZE 8 8 8\nTYPE F F F\n{}\nVIEWPOINT {}\nPOINTS 24\nDATA ascii\n{}", comment,
                        size, viewpoint, rows);
   };

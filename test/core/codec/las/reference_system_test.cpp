@@ -57,6 +57,7 @@ LabeledCloud read_las(const std::string& file, const ReadOptions& options = {}) 
 
 std::vector<std::string> messages(const LabeledCloud& cloud) {
   std::vector<std::string> all;
+  all.reserve(cloud.warnings.size());
   for (const Warning& warning : cloud.warnings) all.push_back(warning.message);
   return all;
 }
@@ -229,6 +230,7 @@ EncodedFile written(const LabeledCloud& cloud) {
 
 std::vector<std::pair<std::uint16_t, std::string>> records_of(const LabeledCloud& cloud) {
   std::vector<std::pair<std::uint16_t, std::string>> all;
+  all.reserve(cloud.reference_records.size());
   for (const ReferenceRecord& record : cloud.reference_records) all.emplace_back(record.id, record.payload);
   return all;
 }
