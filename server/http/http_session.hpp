@@ -138,21 +138,23 @@ class HttpSession {
   Awaitable<HttpAnswer> take(Parser& parser, HttpUpload& upload) {
     connection_.enter(HttpConnection::Phase::kBusy);
     std::string body;
+    std::uint64_t reserved = 0;  // bytes, for the body
     if (const auto length = parser.content_length()) {
       if (auto refusal = upload.announce(*length)) co_return *std::move(refusal);
-      const std::uint64_t first = std::min<std::uint64_t>(*length, kFirstBytes);
-      if (auto refusal = upload.reserve(first)) co_return *std::move(refusal);
-      body.reserve(first);
+      reserved = std::min<std::uint64_t>(*length, kFirstBytes);
+      if (auto refusal = upload.reserve(reserved)) co_return *std::move(refusal);
+      body.reserve(reserved);
     }
     if (!parser.is_done()) {
-      if (auto ended = co_await read_body(parser, upload, body)) co_return *std::move(ended);
+      if (auto ended = co_await read_body(parser, upload, reserved, body)) co_return *std::move(ended);
     }
     connection_.enter(HttpConnection::Phase::kBusy);
     co_return co_await wait_for_answer(upload, std::move(body));
   }
 
-  /// Returns an answer if the body does not come to its end.
-  Awaitable<std::optional<HttpAnswer>> read_body(Parser& parser, HttpUpload& upload, std::string& body) {
+  /// Returns an answer if the body does not come to its end. So many bytes are `reserved` for it.
+  Awaitable<std::optional<HttpAnswer>> read_body(Parser& parser, HttpUpload& upload, std::uint64_t reserved,
+                                                 std::string& body) {
     Error error;
     if (boost::beast::iequals(parser.get()[boost::beast::http::field::expect], "100-continue")) {
       static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
@@ -162,7 +164,7 @@ class HttpSession {
     }
     const Clock::time_point begin = Clock::now();
     std::vector<char> piece(kPiece);
-    std::uint64_t steps = 0, reserved = 0;
+    std::uint64_t steps = 0;
     while (!parser.is_done()) {
       parser.get().body().data = piece.data();
       parser.get().body().size = piece.size();
@@ -183,7 +185,7 @@ class HttpSession {
         const std::uint64_t wanted = std::max(needed, std::min<std::uint64_t>(most, 2 * needed));
         if (auto refusal = upload.reserve(wanted)) co_return *std::move(refusal);
         body.reserve(wanted);
-        reserved = wanted;
+        reserved = wanted;  // The capacity tells too much: a string has some bytes without any.
       }
       body.append(piece.data(), received);
     }
