@@ -40,7 +40,7 @@ class SceneOutput {
   absl::Status announce(StagedOutput& output) const;
 
   /// The labeled cloud as a PCD file, with the encoding, colors and points that the flags ask for. `labels` has one
-  /// entry per point. What PCD cannot hold is in the warnings.
+  /// entry per point. The warnings tell what PCD cannot hold.
   codec::EncodedFile encode_pcd(const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels) const;
 
   /// Adds the files that the flags ask for. `labels` has one entry per point. The scene has everything that its file

@@ -26,8 +26,8 @@ class SplitOutput {
   /// Adds DIR/segment_0001.pcd with the points of label 1, and so on, if the flag was given. Each file has its points
   /// in the order of the cloud, the cloud's view, and what `format` says; points with label 0 are in none. Files of
   /// that kind that are in the folder already and have a higher number are removed, because they are of another result.
-  /// `labels` has one entry per point. What PCD cannot hold is added to `warnings`. INVALID_ARGUMENT if there are more
-  /// segments than files in a folder make sense.
+  /// `labels` has one entry per point. Warnings of what PCD cannot hold are appended. INVALID_ARGUMENT if there are
+  /// more segments than files in a folder make sense.
   absl::Status add(StagedOutput& output, const codec::LabeledCloud& scene, std::span<const std::uint32_t> labels,
                    const SceneOutput& format, std::vector<codec::Warning>& warnings) const;
 

@@ -160,9 +160,9 @@ std::int64_t LeafIndex::row_of(double v) const {
   return row >= -kMost ? static_cast<std::int64_t>(std::min(row, kMost)) : static_cast<std::int64_t>(-kMost);
 }
 
-std::uint32_t LeafIndex::first_behind(const Row& row, double limit) const {
-  const auto begin = centers_.begin() + row.begin, end = centers_.begin() + (&row)[1].begin;
-  return static_cast<std::uint32_t>(std::ranges::lower_bound(begin, end, limit, {}, &Vec3::x) - centers_.begin());
+std::uint32_t LeafIndex::first_from(double limit, std::uint32_t begin, std::uint32_t end) const {
+  const auto found = std::ranges::lower_bound(centers_.begin() + begin, centers_.begin() + end, limit, {}, &Vec3::x);
+  return static_cast<std::uint32_t>(found - centers_.begin());
 }
 
 absl::Status find_shifts(const SceneTree& scene, const LeafIndex& index, double seconds, double max_speed,

@@ -32,7 +32,7 @@ class LeafIndex {
     for (std::int64_t z = low_z; z <= high_z; ++z) {
       for (auto row = std::ranges::lower_bound(rows_, Row{z, low_y, 0}); row < rows_.end() - 1 && row->is_at(z, high_y);
            ++row) {
-        for (std::uint32_t i = first_behind(*row, place.x - radius); i < row[1].begin; ++i) {
+        for (std::uint32_t i = first_from(place.x - radius, row[0].begin, row[1].begin); i < row[1].begin; ++i) {
           const Vec3 d = centers_[i] - place;
           if (d.x > radius) break;
           const double squared = dot(d, d);
@@ -56,8 +56,8 @@ class LeafIndex {
   std::pair<std::int64_t, std::int64_t> rows_around(double v, double radius) const {
     return {row_of(v - radius), row_of(v + radius)};
   }
-  /// The first leaf of a row whose x is not below the limit.
-  std::uint32_t first_behind(const Row& row, double limit) const;
+  /// The first of the leaves of a row, [begin, end), whose x is not below the limit; `end` if there is none.
+  std::uint32_t first_from(double limit, std::uint32_t begin, std::uint32_t end) const;
 
   double rows_per_meter_ = 0;
   std::vector<Row> rows_;              // by z, then y; the last one is behind all leaves

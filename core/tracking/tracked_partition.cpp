@@ -2,6 +2,7 @@
 #include "core/tracking/tracked_partition.hpp"
 
 #include <algorithm>
+#include <compare>
 #include <numeric>
 
 #include "core/base/status_macros.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr double kLargeRest = 1;  // of the area of the track beside it
 constexpr double kMostly = 0.5;   // of the area of a segment that joins a track
+constexpr double kHeir = 0.5;     // of the area of a track that ends in the segment of its heir
 
 /// Gives every leaf a group: those below tracks' nodes have the group of the track, others one of their own.
 class Grouping {
@@ -157,6 +159,35 @@ absl::StatusOr<TrackedPartition> make_partition(const SceneTree& scene, std::spa
   });
   RETURN_IF_ERROR(check.status());
   return result;
+}
+
+std::vector<std::uint32_t> find_heirs(const SceneTree& scene, std::span<const std::uint32_t> track_of_leaf,
+                                      const TrackedPartition& partition, std::size_t tracks) {
+  struct Claim {
+    std::uint32_t track, segment, leaf;
+    auto operator<=>(const Claim&) const = default;
+  };
+  std::vector<Claim> claims;
+  for (std::uint32_t leaf = 0; leaf < track_of_leaf.size(); ++leaf) {
+    const std::uint32_t t = track_of_leaf[leaf];
+    if (t != kNoTrack) claims.push_back({t, partition.cut.segment_of_leaf[leaf] - 1, leaf});
+  }
+  std::ranges::sort(claims);
+  std::vector<double> total(tracks, 0), most(tracks, 0);
+  std::vector<std::uint32_t> heirs(tracks, kNoTrack);
+  for (std::size_t i = 0; i < claims.size();) {
+    const std::uint32_t t = claims[i].track, segment = claims[i].segment;
+    double area = 0;
+    for (; i < claims.size() && claims[i].track == t && claims[i].segment == segment; ++i) {
+      area += scene.leaf_area(claims[i].leaf);
+    }
+    total[t] += area;
+    if (area > most[t]) most[t] = area, heirs[t] = partition.track_of_segment[segment];
+  }
+  for (std::size_t t = 0; t < tracks; ++t) {
+    if (most[t] < kHeir * total[t]) heirs[t] = kNoTrack;
+  }
+  return heirs;
 }
 
 }  // namespace segserve::tracking

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,5 +30,9 @@ struct TrackedPartition {
 absl::StatusOr<TrackedPartition> make_partition(const SceneTree& scene, std::span<const PredictedTrack> tracks,
                                                 std::span<const std::uint32_t> track_of_leaf,
                                                 std::span<const std::uint32_t> node_of_track, const StopToken& stop);
+
+/// For each track, the one whose segment holds most of the area that belonged to it; kNoTrack if there is none.
+std::vector<std::uint32_t> find_heirs(const SceneTree& scene, std::span<const std::uint32_t> track_of_leaf,
+                                      const TrackedPartition& partition, std::size_t tracks);
 
 }  // namespace segserve::tracking

@@ -171,35 +171,6 @@ class Tracker {
     }
   }
 
-  /// For each track, the one whose segment holds most of what belonged to it; kNoTrack if there is none.
-  std::vector<std::uint32_t> find_heirs() const {
-    struct Claim {
-      std::uint32_t track, segment, leaf;
-      auto operator<=>(const Claim&) const = default;
-    };
-    std::vector<Claim> claims;
-    for (std::uint32_t leaf = 0; leaf < track_of_leaf_.size(); ++leaf) {
-      const std::uint32_t t = track_of_leaf_[leaf];
-      if (t != kNoTrack) claims.push_back({t, partition_.cut.segment_of_leaf[leaf] - 1, leaf});
-    }
-    std::ranges::sort(claims);
-    std::vector<double> total(previous_.tracks.size(), 0), most(previous_.tracks.size(), 0);
-    std::vector<std::uint32_t> heirs(previous_.tracks.size(), kNoTrack);
-    for (std::size_t i = 0; i < claims.size();) {
-      const auto [t, segment, first] = claims[i];
-      double area = 0;
-      for (; i < claims.size() && claims[i].track == t && claims[i].segment == segment; ++i) {
-        area += scene_.leaf_area(claims[i].leaf);
-      }
-      total[t] += area;
-      if (area > most[t]) most[t] = area, heirs[t] = partition_.track_of_segment[segment];
-    }
-    for (std::size_t t = 0; t < heirs.size(); ++t) {
-      if (total[t] == 0 || most[t] < kMajority * total[t]) heirs[t] = kNoTrack;
-    }
-    return heirs;
-  }
-
   /// The tracks without a segment. Of too many, those are kept that were seen last.
   void find_losses() {
     std::vector<std::uint32_t> lost;
@@ -207,7 +178,7 @@ class Tracker {
       if (node_of_track_[t] == kNoNode) lost.push_back(t);
     }
     if (lost.empty()) return;
-    const std::vector<std::uint32_t> heirs = find_heirs();
+    const std::vector<std::uint32_t> heirs = find_heirs(scene_, track_of_leaf_, partition_, previous_.tracks.size());
     std::ranges::stable_sort(lost, {}, [&](std::uint32_t t) { return previous_.tracks[t].lost; });
     for (const std::uint32_t t : lost) {
       const TrackState::Track& track = previous_.tracks[t];

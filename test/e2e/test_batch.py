@@ -34,6 +34,21 @@ class Batch(EndToEnd):
     def contents(self):
         return {path.name: path.read_bytes() for path in self.outputs.iterdir() if path.suffix == ".pcd"}
 
+    def test_a_pose_is_kept_or_its_loss_is_told(self):
+        pose, lost = b"VIEWPOINT 1 2 3 0.5 -0.5 0.5 -0.5\n", "VIEWPOINT is not kept"
+        scene, parts = self.inputs / "scene1.pcd", self.path("parts")
+        scene.write_bytes(scene.read_bytes().replace(b"VIEWPOINT 0 0 0 1 0 0 0\n", pose))
+        for view, is_lost in (("camera", False), ("world:0,0,-1", True)):
+            done = self.batch("--view", view, where=("--local",))
+            self.assertEqual(done.returncode, SUCCESS, done.stderr)
+            line = next(line for line in self.lines(done) if line["input"].endswith("scene1.pcd"))
+            summary = json.loads((self.outputs / "scene1.json").read_bytes())
+            split = self.run_well("segment", scene, "--local", "--view", view, "--split", parts, "--json", "-").stdout
+            for told in (line, summary, json.loads(split)):
+                self.assertEqual(lost in json.dumps(told["warnings"]), is_lost, told["warnings"])
+            for file in (self.outputs / "scene1.pcd", parts / "segment_0001.pcd"):
+                self.assertEqual(pose in file.read_bytes(), not is_lost)
+
     def test_gives_what_one_by_one_gives_with_and_without_server(self):
         done = self.batch()
         self.assertEqual((done.returncode, done.stderr), (SUCCESS, b""))

@@ -113,11 +113,4 @@ FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> 
   return content;
 }
 
-bool keeps_viewpoint(const FileContent& content) {
-  constexpr double kTolerance = 1e-6;  // of the numbers of a view, which are floats
-  const auto& sensor = content.cloud.view.sensor;
-  const Eigen::Vector3d& translation = content.viewpoint->translation;
-  return !sensor || (sensor->cast<double>() - translation).norm() <= kTolerance * (1 + translation.norm());
-}
-
 }  // namespace segserve::codec

@@ -13,6 +13,7 @@
 #include "core/codec/label_list/label_list.hpp"
 #include "core/codec/las/las.hpp"
 #include "core/codec/npy/npy.hpp"
+#include "core/codec/pcd/pcd_viewpoint.hpp"
 #include "core/codec/text/text_table.hpp"
 #include "segserve/codec/pcd.hpp"
 #include "segserve/codec/ply.hpp"

@@ -9,6 +9,7 @@
 
 #include "core/codec/common/file_columns.hpp"
 #include "core/codec/common/file_statements.hpp"
+#include "core/codec/pcd/pcd_viewpoint.hpp"
 #include "segserve/codec/pcd.hpp"
 
 namespace segserve::codec {
@@ -43,7 +44,7 @@ std::string encode_header(const FileContent& content, const FileTable& table, Pc
   }
   const CloudView& cloud = content.cloud;
   std::string viewpoint;
-  if (content.viewpoint && keeps_viewpoint(content)) {
+  if (keeps_viewpoint(content)) {
     const auto& [translation, q] = *content.viewpoint;
     viewpoint = fmt::format("{} {} {} {} {}", fmt::join(translation, " "), q.w(), q.x(), q.y(), q.z());
   } else {

@@ -62,7 +62,7 @@ bool is_title(std::string_view line, std::string_view rest) {
 bool has_grouped_number(std::string_view line) {
   const auto is_digit = [&line](std::size_t i) { return i < line.size() && line[i] >= '0' && line[i] <= '9'; };
   // Typographic signs are several bytes: no-break space, narrow no-break space, apostrophe.
-  constexpr std::array<std::string_view, 7> kSigns{".", ",", "'", " ", "\u00a0", "\u202f", "\u2019"};
+  constexpr std::array<std::string_view, 6> kSigns{".", ",", "'", "\u00a0", "\u202f", "\u2019"};
   for (std::size_t i = 1; i < line.size(); ++i) {
     if (!is_digit(i - 1)) continue;
     for (const std::string_view sign : kSigns) {

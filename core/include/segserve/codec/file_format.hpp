@@ -63,8 +63,8 @@ struct EncodedFile {
   std::vector<Warning> warnings;
 };
 
-/// What of the content a format cannot hold, apart from values of points: rows and columns, the pose of the sensor, the
-/// coordinate reference system. encode_file tells it.
+/// Warnings of what is in the content and not in a file of this format: rows and columns, the pose of the sensor, the
+/// coordinate reference system. Values of points are left out. encode_file gives these warnings, too.
 std::vector<Warning> losses_of(const FileContent& content, FileFormat format);
 
 /// Encodes a cloud. Only PCD and PLY have both encodings; the others ignore it. `scene` is the name of the scene, which

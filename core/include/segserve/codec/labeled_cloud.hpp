@@ -20,8 +20,8 @@ namespace segserve::codec {
 /// The coordinates of N points as a file has them: x, y and z.
 using FilePosition = std::array<std::vector<double>, 3>;
 
-/// Where a sensor was, in the coordinates and the unit of a file, and how it was turned. Of the rotation nothing is
-/// used: the points of a file have the axes that it says, however its sensor was turned.
+/// Where a sensor was, in the coordinates and the unit of a file, and how it was turned. The rotation
+/// is kept and not used: the points of a file have the axes that it says, however its sensor was turned.
 struct SensorPose {
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
@@ -70,9 +70,5 @@ struct FileContent {
 /// coordinates, their unit, the sensor and the attributes of the file that it came from. The file and the labels must
 /// outlive the result.
 FileContent content_of(const LabeledCloud& file, std::span<const std::uint32_t> label);
-
-/// Whether the view knows of no other place of the sensor than the content's VIEWPOINT, which must be there: one of the
-/// view may have been given instead.
-bool keeps_viewpoint(const FileContent& content);
 
 }  // namespace segserve::codec
